@@ -84,6 +84,8 @@ impl Monitor<'_> {
         for (j, (part, shape)) in known.iter().enumerate() {
             for (other, other_shape) in known[..j].iter().filter(|(other, _)| part.moves || other.moves) {
                 if let Some(place) = self.meets((other, other_shape), (part, shape)) {
+                    let rounding = ROUNDING * norm(place);
+                    let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
                     let at = shown(&place[..self.axes]);
                     let text = format!("{} meets {} near {at}, and nothing keeps them apart,", part.name, other.name);
                     found.push(warning(&part.key, t, &text));
@@ -236,7 +238,8 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         add(own.key, own.name, [Some(rest), Some(shape)], pose.is_some(), f64::INFINITY);
     }
     for (own, stations) in scene.beams_with_rods().zip(places.beams) {
-        let half: Vec<_> = own.beam.places().map(|s| own.beam.thickness.at(s) / 2.0).collect();
+        let stations_at = own.beam.places().step_by(2);
+        let half: Vec<_> = stations_at.map(|s| own.beam.thickness.at(s) / 2.0).collect();
         let point = |p: &Vec<f64>| [0, 1, 2].map(|d| p.get(d).copied().unwrap_or(0.0));
         let stations: Option<Vec<_>> = stations.map(|all| all.iter().map(point).collect());
         let stations = stations.filter(|all| all.len() == half.len());

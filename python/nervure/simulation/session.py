@@ -94,7 +94,7 @@ class Session(TimeLoop):
             )
 
     def _look(self) -> None:
-        self.warnings += self.places.look(self.time)
+        self.warnings += self.places.check(self.time)
         for guard in self.scheme.guards:
             at_end = self.steps == self.grid.steps
             self.warnings += guard.look(self.time, self.grid.communication_step, at_end)
