@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fluid::Fluid;
 use crate::places::{AXES, blocked, rounded, shown, walls, zones};
+use crate::read::kept;
 use crate::scene::Scene;
 use crate::warnings::Warning;
 
@@ -210,7 +211,7 @@ struct Answer {
 /// Check the places of a run at one time, as a JSON object, for the text of its scene; return the sentences of new
 /// `warnings`, and the `memory` for the next time. Without a scene it is `null`.
 pub fn monitor_text(places: &str, scene: Option<&str>) -> String {
-    let scene = scene.and_then(|text| Scene::from_json(text).ok());
+    let scene = scene.and_then(kept);
     let answer = scene.zip(serde_json::from_str(places).ok()).map(|(scene, places)| check_run(&scene, places));
     serde_json::to_string(&answer).expect("an answer is plain JSON")
 }

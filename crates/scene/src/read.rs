@@ -1,9 +1,7 @@
 //! From the text of a scene file to a checked scene, or to its faults.
 
 use std::path::Path;
-use std::sync::{LazyLock, Mutex, PoisonError};
-
-use serde_json::Value;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::conform::{self, RENAMED};
 use crate::fault::{Fault, FaultKind, Faults, SceneError, join};
@@ -11,12 +9,24 @@ use crate::json::{self, Content, Node};
 use crate::relations;
 use crate::scene::{FORMAT, Scene};
 
-/// The last text without faults, and its scene: a run asks a library for faults and facts, a description and an instance
-/// of the same text, and for warnings again and again.
+/// The last text whose scene was [kept](kept), and that scene. A run asks a library for facts, a description, an instance
+/// and, again and again, warnings of one text. What only makes instances keeps nothing, for a library that is unloaded
+/// would lose it.
 static LAST: Mutex<Option<(String, Scene)>> = Mutex::new(None);
 
-/// The schema by which texts are checked.
-static SCHEMA: LazyLock<Value> = LazyLock::new(|| schemars::schema_for!(Scene).to_value());
+fn last() -> MutexGuard<'static, Option<(String, Scene)>> {
+    LAST.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Return the scene of a text without faults, and keep it.
+pub(crate) fn kept(text: &str) -> Option<Scene> {
+    let scene = read(text).ok()?;
+    let mut last = last();
+    if last.as_ref().is_none_or(|(known, _)| known != text) {
+        *last = Some((text.into(), scene.clone()));
+    }
+    Some(scene)
+}
 
 impl Scene {
     /// Read and check a scene file.
@@ -62,20 +72,15 @@ pub fn check_text(text: &str, original: Option<&str>) -> String {
 
 /// Return the facts of a scene as a JSON object, or `null` for a scene with faults.
 pub fn facts_text(text: &str) -> String {
-    let facts = Scene::from_json(text).ok().map(|scene| scene.facts());
+    let facts = kept(text).map(|scene| scene.facts());
     serde_json::to_string(&facts).expect("facts are plain JSON")
 }
 
-/// Return the scene of a text, which is parsed and checked where it is not the last one; the faults of a refused scene
+/// Return the scene of a text, which is parsed and checked where it is not the kept one; the faults of a refused scene
 /// come with its tree, if the text is JSON.
 fn read(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
-    let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, scene)) = last().as_ref().filter(|(known, _)| known == text) {
-        return Ok(scene.clone());
-    }
-    let scene = parse(text)?;
-    *last() = Some((text.into(), scene.clone()));
-    Ok(scene)
+    let known = last().as_ref().filter(|(known, _)| known == text).map(|(_, scene)| scene.clone());
+    known.map_or_else(|| parse(text), Ok)
 }
 
 fn parse(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
@@ -104,8 +109,9 @@ fn check_tree(text: &str, tree: &Node, faults: &mut Faults) {
         let value = tree.shown(text);
         return faults.push(Fault::syntax("", format!("a scene is an object in braces, not {value}")));
     };
+    let schema = schemars::schema_for!(Scene).to_value();
     let mut found = Faults::default();
-    conform::check(text, tree, &SCHEMA, &mut found);
+    conform::check(text, tree, &schema, &mut found);
     let other_format = tree.get("format").and_then(|node| match &node.content {
         Content::Number(number) if number.as_f64() != Some(f64::from(FORMAT)) => number.as_f64(),
         _ => None,
