@@ -1,8 +1,8 @@
 """The libraries of the units: their places, and their functions beside FMI.
 
-`fmu_scene_check` lists the faults of a scene, `fmu_scene_facts` its facts, `fmu_scene_monitor` warnings about places in a
-run. `fmu_model_description` reads `scene.json` in a resources folder and writes modelDescription.xml, or the reason why
-the scene cannot be run.
+`fmu_scene_check` lists the faults of a scene, `fmu_scene_facts` its facts, `fmu_scene_monitor` warnings about places in
+a run. `fmu_model_description` reads `scene.json` in a resources folder and writes modelDescription.xml, or the reason
+why the scene cannot be run.
 """
 
 import ctypes

@@ -52,7 +52,7 @@ pub(crate) struct Monitor<'a> {
     pub memory: Memory,
     /// Number of dimensions.
     pub axes: usize,
-    /// Whether the places at the first time have been looked at before.
+    /// Whether nobody warns of the places at the first time, which were checked before the run.
     pub is_run: bool,
 }
 

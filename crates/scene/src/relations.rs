@@ -28,7 +28,7 @@ const MOST_SUBSTEPS: f64 = 1e5;
 /// Most communication steps in a run.
 const MOST_STEPS: f64 = 1e12;
 
-/// Add the contradictions of a scene. Those that need values along a beam are looked for only where there are no
+/// Add the contradictions of a scene. Those that need values along a beam are sought only where there are no
 /// others.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     check_name_and_time(scene, faults);

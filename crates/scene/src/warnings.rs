@@ -27,7 +27,7 @@ const SHEDDING_ROUND: f64 = 270.0;
 /// Tips of clamped linear beams sink by this number of lengths, times 8, under a weight that is hardly meant.
 const HEAVIEST: f64 = 300.0;
 
-/// Difference of the velocities of sponge and stream by the larger one above which it is told of.
+/// Difference of the velocities of sponge and stream by the larger one above which it is a warning.
 const OTHER: f64 = 0.05;
 
 /// Times at which they are compared.
