@@ -12,6 +12,7 @@ RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
+TYPES := python/nervure/scene/types.py
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
 .PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
@@ -112,10 +113,14 @@ bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with the of
 	cargo run --quiet $(RUST_STUDIES) -p fmi-bindgen --target-dir target/bindgen -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi-export/src/sys.rs
 
-schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the Python classes of scenes
+schema: ## write modelDescription/scene.schema.json and the Python classes of scenes
 	cargo run --quiet --release --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
-	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
+	$(MAKE) $(TYPES)
+
+$(TYPES): modelDescription/scene.schema.json modelDescription/scene_types.py
+	$(PYTHON) modelDescription/scene_types.py < modelDescription/scene.schema.json > $@.new
+	mv $@.new $@
 
 messages: build $(READY_DEV) ## record the messages about bad input in tests/scene/messages.csv
 	$(RUN) tests/scene/bad_input.py --csv > tests/scene/messages.csv.new
@@ -143,7 +148,7 @@ PIP = -m pip --quiet --disable-pip-version-check
 PIP_INSTALL = $(PIP) install
 LOCKED = $(PIP_INSTALL) --require-hashes -r
 
-$(READY): requirements/run.lock pyproject.toml
+$(READY): requirements/run.lock pyproject.toml | $(TYPES)
 	$(PYTHON) -m venv --clear $(VENV)
 	$(RUN) $(LOCKED) requirements/run.lock
 	$(RUN) $(PIP_INSTALL) --no-deps --no-build-isolation --editable .

@@ -1,4 +1,5 @@
-"""Build hooks of the wheel: put the units and their files into `nervure/data`, and the project's address into metadata.
+"""Build hooks of the package: write the classes of scenes, put the units and their files into `nervure/data`, and the
+project's address into metadata.
 
 Cargo builds the units for this system. With the variable `NERVURE_LIBRARIES`, which names the folder of one target of
 `make dist-libraries`, the wheel is for that target. It carries the libraries of all targets and their licences, so
@@ -6,6 +7,7 @@ that every installation packs FMUs for all systems. An editable install uses the
 units.
 """
 
+import json
 import os
 import runpy
 import subprocess
@@ -42,6 +44,7 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
     """Adds the libraries of the units."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        _write_types(Path(self.root))
         if version == "editable":
             return
         files = {Path(self.root, name): name for name in SHIPPED}
@@ -55,6 +58,13 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
         build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"
         build_data["pure_python"] = False
         build_data["force_include"] |= {str(source): f"nervure/data/{target}" for source, target in files.items()}
+
+
+def _write_types(root: Path) -> None:
+    """Write the Python classes of scenes."""
+    folder, classes = root / "modelDescription", root / "python" / "nervure" / "scene" / "types.py"
+    schema = json.loads((folder / "scene.schema.json").read_text(encoding="utf-8"))
+    classes.write_text(runpy.run_path(str(folder / "scene_types.py"))["generate"](schema), encoding="utf-8")
 
 
 def _built(root: Path) -> dict[Path, str]:

@@ -2,7 +2,7 @@
 
     python modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
-`make schema` does so. Every title of the schema is a class, or the name of a choice between classes and words.
+make and the installation of the package do so. Every title of the schema is a class, or the name of a choice between classes and words.
 """
 
 import json
@@ -14,7 +14,7 @@ from typing import Any
 Schema = dict[str, Any]
 
 HEADER = '''\
-"""The parts of a scene. Made from modelDescription/scene.schema.json by `make schema`: do not edit."""
+"""The parts of a scene. Made from modelDescription/scene.schema.json by make or an installation: do not edit."""
 
 from typing import Literal
 

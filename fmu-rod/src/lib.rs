@@ -98,3 +98,4 @@ impl Model for RodUnit {
 fmi_export::export_fmu!(RodUnit);
 fmi_export::export_text!(fmu_scene_check = scene::check_text);
 fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
+fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);

@@ -1,7 +1,8 @@
 """The libraries of the units: their places, and their functions beside FMI.
 
-`fmu_scene_check` lists the faults of a scene, `fmu_scene_facts` its facts. `fmu_model_description` reads `scene.json`
-in a resources folder and writes modelDescription.xml, or the reason why the scene cannot be run.
+`fmu_scene_check` lists the faults of a scene, `fmu_scene_facts` its facts, `fmu_scene_monitor` warnings about places in
+a run. `fmu_model_description` reads `scene.json` in a resources folder and writes modelDescription.xml, or the reason
+why the scene cannot be run.
 """
 
 import ctypes
@@ -16,7 +17,7 @@ from typing import Any
 from nervure.errors import Fault, SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library"]
+__all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library", "monitor"]
 
 BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
 """Types of the arguments by which a function writes a text: buffer, capacity, and size of the text."""
@@ -65,6 +66,13 @@ def facts(text: str) -> dict[str, Any] | None:
     """Return the facts of a scene (`Facts` in `crates/scene`); None for a scene with faults."""
     found: dict[str, Any] | None = json.loads(_answer("fmu_scene_facts", text))
     return found
+
+
+def monitor(places: dict[str, Any], scene: str) -> dict[str, Any]:
+    """Return the new `warnings` about places of a run at one time, and the `memory` for the next (`monitor_text` in
+    `crates/scene`)."""
+    answer: dict[str, Any] = json.loads(_answer("fmu_scene_monitor", json.dumps(places), scene))
+    return answer
 
 
 def _answer(name: str, *texts: str | None) -> str:

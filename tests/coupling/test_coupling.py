@@ -222,7 +222,7 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
     for i in range(45):
         scheme.step(float(i), 1.0)
         guard.check(i + 1.0, 1.0)
-        found += [i + 1.0 for _ in guard.look(i + 1.0, 1.0)]
+        found += [i + 1.0 for _ in guard.warn(i + 1.0, 1.0)]
     assert found == told
 
 
@@ -253,7 +253,7 @@ def test_a_run_that_ends_within_a_window_is_judged_at_its_end(window, steps, on_
     for i in range(steps):
         guard.rod.step(float(i), 1.0), guard.fluid.step(float(i), 1.0)
         guard.check(i + 1.0, 1.0)
-        told += guard.look(i + 1.0, 1.0, i + 1 == steps)
+        told += guard.warn(i + 1.0, 1.0, i + 1 == steps)
     expected = [f"over the last {count} steps to t = {steps} s"] if count else []
     assert [text.split(" the power")[0] for text in told] == expected
 

@@ -36,7 +36,8 @@ SYSTEMS = {
 }
 """Command that runs a program of the system, its target, and how its programs end."""
 
-EXPORTED = {"fmu_model_description", "fmu_model_description_3", "fmu_field", "fmu_scene_check", "fmu_scene_facts"}
+EXPORTED = {"fmu_model_description", "fmu_model_description_3", "fmu_field"}
+EXPORTED |= {"fmu_scene_check", "fmu_scene_facts", "fmu_scene_monitor"}
 
 
 @pytest.fixture(scope="module")

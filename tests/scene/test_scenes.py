@@ -63,8 +63,8 @@ def test_published_value_lies_inside_the_published_spread():
 
 def test_classes_of_a_scene_are_those_of_the_schema():
     schema = json.loads((ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8"))
-    committed = (ROOT / "python" / "nervure" / "scene" / "types.py").read_text(encoding="utf-8")
-    assert committed == scene_types.generate(schema), "`make schema` writes them anew"
+    written = (ROOT / "python" / "nervure" / "scene" / "types.py").read_text(encoding="utf-8")
+    assert written == scene_types.generate(schema), "make writes them anew"
 
 
 def test_defaults_are_those_of_the_schema():

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use method::Surface;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,19 +30,6 @@ pub struct Beam {
     /// straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
     #[serde(default)]
     pub rest_angles: Vec<f64>,
-}
-
-/// How a beam meets the fluid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Surface {
-    /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.5 cells,
-    /// in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and the rod may have any mass,
-    /// with one exchange per step.
-    Line,
-    /// The mask of the band around the beam, which wants four cells of thickness or more.
-    #[default]
-    Mask,
 }
 
 /// Place and direction of a beam's root at rest.

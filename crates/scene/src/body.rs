@@ -1,13 +1,15 @@
 //! Rigid bodies in the fluid: shape, place, motion and mount.
 
-use std::f64::consts::PI;
-
+use geometry::plane::{Outline, Section};
+use geometry::space::Solid;
+use geometry::vector::{dot, norm, turned};
+use geometry::{Chain, Placed, Surface, lies_on, meets};
+use method::{Axis, Support};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
-use crate::plane::{Outline, Point, meet, within};
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -79,23 +81,6 @@ pub struct Mount {
     pub angle: Option<Support>,
 }
 
-/// Spring and damper in parallel, per metre of depth.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Support {
-    /// Stiffness, N/m, about the pivot N m/rad.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub stiffness: f64,
-    /// Damping, N s/m, about the pivot N m s/rad.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub damping: f64,
-    /// Displacement, m, or angle, rad, at which the spring has no force. The body starts at 0.
-    #[serde(default)]
-    pub rest: f64,
-}
-
 fn origin() -> Vec<f64> {
     vec![0.0; 2]
 }
@@ -108,19 +93,6 @@ pub struct Turn {
     pub axis: [f64; 3],
     /// Angle, rad, positive by the right-hand rule.
     pub angle: f64,
-}
-
-/// An axis of the coordinates or of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// x.
-    X,
-    /// y.
-    Y,
-    /// z.
-    #[default]
-    Z,
 }
 
 /// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.
@@ -328,65 +300,88 @@ const DISK_EDGES: usize = 24;
 /// Most triangles of a surface.
 const MOST_TRIANGLES: usize = 100_000;
 
-/// Corners by which a circle is drawn.
-const CORNERS: usize = 64;
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
 impl Body {
-    /// Return the outline after the displacement `[x, y]` and the turn `angle` of the motion.
-    pub(crate) fn outline(&self, displacement: Point, angle: f64) -> Outline {
-        Outline::new(self.shape.corners().into_iter().map(self.placed(displacement, angle)))
+    /// Return the shape at time `t` (s) in a box with these ends, m.
+    pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
+        let laws = self.laws();
+        let displacement = laws.map_or([0.0; 3], |laws| [&laws.x, &laws.y, &laws.z].map(|law| law.value(t)));
+        self.placed(displacement, laws.map_or(0.0, |laws| laws.angle.value(t)), ends)
     }
 
-    /// Return where points in the body's own axes are after a displacement and a turn.
-    fn placed(&self, [x, y]: Point, angle: f64) -> impl Fn(Point) -> Point {
-        let (sin, cos) = (self.angle + angle).sin_cos();
-        move |[a, b]| {
-            let [a, b] = [a - self.pivot[0], b - self.pivot[1]];
-            [self.position[0] + x + a * cos - b * sin, self.position[1] + y + a * sin + b * cos]
+    /// Return the shape after a displacement (m) and a turn by `angle` (rad) in a box with these ends, m.
+    pub(crate) fn placed(&self, displacement: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
+        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
+        let (rest, moved) = (self.turn.as_ref(), self.laws().and_then(|laws| laws.axis).unwrap_or(Z));
+        let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
+        let axes: [[f64; 3]; 3] = [0, 1, 2].map(|d| match rest {
+            Some(Turn { axis, angle: rest }) => about(about(own(d), *axis, *rest), moved, angle),
+            None => about(own(d), moved, self.angle + angle),
+        });
+        let component = |list: &[f64], d: usize| list.get(d).copied().unwrap_or(0.0);
+        let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
+        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
+        let origin = [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d));
+        let place = |p: [f64; 3]| [0, 1, 2].map(|d| origin[d] + across(p, d));
+        if let Some(outline) = self.shape.outline() {
+            let [[a, b, _], [c, d, _], _] = axes;
+            return geometry::Shape::Outline(Placed::new(outline, [[a, b], [c, d]], [origin[0], origin[1]]));
         }
-    }
-
-    /// Return the points of a line of no thickness without a motion.
-    pub(crate) fn line_at_rest(&self) -> Option<Vec<Point>> {
-        Some(self.shape.line()?.into_iter().map(self.placed([0.0; 2], 0.0)).collect())
-    }
-
-    /// Return the outline at time `t` (s).
-    pub(crate) fn outline_at(&self, t: f64) -> Outline {
-        let Some(BodyMotion { x, y, angle, .. }) = self.laws() else { return self.outline([0.0; 2], 0.0) };
-        self.outline([x.value(t), y.value(t)], angle.value(t))
+        if let Some(solid) = self.shape.solid(ends) {
+            let body = Placed::new(solid, axes, origin);
+            return geometry::Shape::Solid(if self.shape.is_endless() { body.clamped(ends) } else { body });
+        }
+        if let Some(points) = self.shape.line() {
+            return geometry::Shape::Chain(Chain::uniform(
+                points.iter().map(|[x, y]| place([*x, *y, 0.0])).collect(),
+                0.0,
+            ));
+        }
+        let (nodes, triangles) = self.shape.surface().unwrap_or_default();
+        geometry::Shape::Surface(Surface::new(nodes.into_iter().map(place).collect(), triangles))
     }
 }
 
 impl Shape {
-    /// Return corners of the outline in the body's own axes, none in space; of a round one, points on it.
-    fn corners(&self) -> Vec<Point> {
-        let angles = |first: f64| (0..CORNERS).map(move |i| 2.0 * PI * (i as f64 + first) / CORNERS as f64);
-        let ellipse = |a: f64, b: f64| angles(0.0).map(|angle| [a * angle.cos(), b * angle.sin()]).collect();
-        match self {
-            Self::Circle { radius } => ellipse(*radius, *radius),
-            Self::Ellipse { length, thickness } => ellipse(length / 2.0, thickness / 2.0),
-            Self::Rectangle { length, thickness, ends: Ends::Round } => {
-                let (half, radius) = ((length - thickness) / 2.0, thickness / 2.0);
-                let cap = |angle: f64| [radius * angle.cos() + half.copysign(angle.cos()), radius * angle.sin()];
-                angles(0.5).map(cap).collect()
-            }
+    /// Return a closed shape in the plane in the body's own axes.
+    pub fn outline(&self) -> Option<Outline> {
+        Some(match self {
+            Self::Circle { radius } => Outline::Circle(*radius),
+            Self::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
             Self::Rectangle { length, thickness, ends: Ends::Square } => {
-                let (x, y) = (length / 2.0, thickness / 2.0);
-                vec![[-x, -y], [x, -y], [x, y], [-x, y]]
+                Outline::Rectangle([0.5 * length, 0.5 * thickness])
             }
-            Self::Polygon { corners } => corners.clone(),
-            // Of a line, both sides in turn.
-            _ => self.line().map_or_else(Vec::new, |mut points| {
-                let back = points.iter().rev().skip(1).copied().take(points.len() - 2).collect::<Vec<_>>();
-                points.extend(back);
-                points
-            }),
-        }
+            Self::Rectangle { length, thickness, ends: Ends::Round } => {
+                Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
+            }
+            Self::Polygon { corners } => Outline::polygon(corners.clone()),
+            _ => return None,
+        })
+    }
+
+    /// Return whether it goes through the whole box, along which it lies.
+    fn is_endless(&self) -> bool {
+        matches!(self, Self::CircularCylinder { length: None, .. })
+    }
+
+    /// Return a solid in space in the body's own axes, in a box with these ends (m).
+    pub fn solid(&self, ends: &[[f64; 2]]) -> Option<Solid> {
+        Some(match self {
+            Self::Sphere { radius } => Solid::Sphere(*radius),
+            Self::Ellipsoid { lengths } => Solid::Ellipsoid(lengths.map(|length| 0.5 * length)),
+            Self::Cuboid { lengths } => Solid::Cuboid(lengths.map(|length| 0.5 * length)),
+            Self::CircularCylinder { axis, radius, length } => {
+                let through = ends.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+                let half_length = length.map_or(through, |length| 0.5 * length);
+                Solid::Cylinder { axis: *axis as usize, radius: *radius, half_length }
+            }
+            _ => return None,
+        })
     }
 
     /// Return the points of a line of no thickness in the body's own axes, m.
-    pub fn line(&self) -> Option<Vec<Point>> {
+    pub fn line(&self) -> Option<Vec<[f64; 2]>> {
         match self {
             Self::Plate { length, width: None } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
             Self::Polyline { points } => Some(points.clone()),
@@ -452,56 +447,18 @@ impl Mount {
 impl Shape {
     /// Return the area of a shape of two dimensions, m²; of others 0.
     pub fn area(&self) -> f64 {
-        match self {
-            Self::Circle { radius } => PI * radius.powi(2),
-            Self::Ellipse { length, thickness } => 0.25 * PI * length * thickness,
-            Self::Rectangle { length, thickness, ends: Ends::Square } => length * thickness,
-            Self::Rectangle { length, thickness, ends: Ends::Round } => {
-                (length - thickness) * thickness + 0.25 * PI * thickness.powi(2)
-            }
-            Self::Polygon { corners } => {
-                0.5 * sides_of(corners).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum::<f64>().abs()
-            }
-            _ => 0.0,
-        }
+        self.outline().map_or(0.0, |outline| outline.section().area)
     }
 }
 
 impl Body {
     /// Return the polar moment of the area about the pivot, m⁴; of a shape in space 0.
     pub(crate) fn polar_moment(&self) -> f64 {
-        let off = self.pivot[0].powi(2) + self.pivot[1].powi(2);
-        let about_middle = match &self.shape {
-            Shape::Circle { radius } => 0.5 * PI * radius.powi(4),
-            Shape::Ellipse { length, thickness } => {
-                PI * length * thickness * (length * length + thickness * thickness) / 64.0
-            }
-            Shape::Rectangle { length, thickness, ends: Ends::Square } => {
-                length * thickness * (length * length + thickness * thickness) / 12.0
-            }
-            Shape::Rectangle { length, thickness, ends: Ends::Round } => {
-                // The half circles have their centroids 4 r/(3 π) from their middles.
-                let (half, r) = ((length - thickness) / 2.0, thickness / 2.0);
-                let (straight, caps, shift) = (4.0 * half * r, PI * r * r, 4.0 * r / (3.0 * PI));
-                straight / 3.0 * (half * half + r * r) + caps * (0.5 * r * r - shift * shift + (half + shift).powi(2))
-            }
-            Shape::Polygon { corners } => {
-                let from = |p: &[f64; 2]| [p[0] - self.pivot[0], p[1] - self.pivot[1]];
-                let sum = sides_of(corners).map(|(a, b)| {
-                    let ([x0, y0], [x1, y1]) = (from(a), from(b));
-                    (x0 * y1 - x1 * y0) * (x0 * x0 + x0 * x1 + x1 * x1 + y0 * y0 + y0 * y1 + y1 * y1)
-                });
-                return sum.sum::<f64>().abs() / 12.0;
-            }
-            _ => return 0.0,
+        let Some(Section { area, centroid, polar }) = self.shape.outline().map(|outline| outline.section()) else {
+            return 0.0;
         };
-        about_middle + self.shape.area() * off
+        polar + area * ((self.pivot[0] - centroid[0]).powi(2) + (self.pivot[1] - centroid[1]).powi(2))
     }
-}
-
-/// Return the sides of a polygon.
-fn sides_of(corners: &[Point]) -> impl Iterator<Item = (&Point, &Point)> {
-    corners.iter().zip(corners.iter().cycle().skip(1))
 }
 
 impl Check for Mount {
@@ -587,22 +544,22 @@ fn check_surface(
 fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
     let n = corners.len();
     let count = if closed { n } else { n.saturating_sub(1) };
-    let side = |i: usize| (corners[i], corners[(i + 1) % n]);
-    if let Some(i) = (0..count).find(|&i| side(i).0 == side(i).1) {
+    let side = |i: usize| [corners[i], corners[(i + 1) % n]];
+    if let Some(i) = (0..count).find(|&i| side(i)[0] == side(i)[1]) {
         faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
             "the next corner is the same".into()
         });
         return;
     }
     let touch = |i: usize, j: usize| {
-        let ((a, b), (c, d)) = (side(i), side(j));
+        let (one, other) = (side(i), side(j));
         // Neighbours share a corner, and nothing else.
         if j == i + 1 {
-            within(a, b, d) || within(c, d, a)
+            lies_on(other[1], one) || lies_on(one[0], other)
         } else if closed && i == 0 && j == n - 1 {
-            within(a, b, c) || within(c, d, b)
+            lies_on(other[0], one) || lies_on(one[1], other)
         } else {
-            meet(a, b, c, d)
+            meets(one, other)
         }
     };
     let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));

@@ -17,10 +17,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use mesh::Mesh;
+use method::{Support, Surface};
 use serde::Serialize;
 
-use crate::beam::{Beam, Surface};
-use crate::body::{Body, Shape, Support};
+use crate::beam::Beam;
+use crate::body::{Body, Shape};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::law_warnings;
@@ -231,9 +232,7 @@ fn areas(scene: &Scene) -> BTreeMap<String, f64> {
 fn sizes(scene: &Scene, beams: &[BeamFacts]) -> Vec<(String, [f64; 2])> {
     let mut sizes = Vec::new();
     if let Some(fluid) = &scene.fluid {
-        let circle = |radius: f64| [2.0 * radius; 2];
-        sizes.extend((1..).zip(&fluid.cylinders).map(|(i, own)| (format!("cylinder_{i}"), circle(own.radius))));
-        sizes.extend((1..).zip(&fluid.bodies).map(|(i, own)| (format!("body_{i}"), own.shape.size())));
+        sizes.extend(fluid.obstacles().map(|own| (own.force, own.body.shape.size())));
     }
     sizes.extend(scene.beams_with_rods().zip(beams).map(|(own, facts)| {
         let thinnest = facts.thickness.iter().copied().fold(f64::INFINITY, f64::min);
@@ -332,14 +331,11 @@ fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts
     Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
-/// Strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
+/// Return the strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
 fn strain_factor(fluid: &Fluid, i: usize) -> f64 {
-    let body = i.checked_sub(fluid.cylinders.len()).map(|i| fluid.bodies.get(i).map(|body| &body.shape));
-    if matches!(body, None | Some(Some(Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. }))) {
-        4.0
-    } else {
-        2.0
-    }
+    let is_round =
+        |body: Body| matches!(body.shape, Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. });
+    if fluid.obstacles().nth(i).is_some_and(|own| is_round(own.body)) { 4.0 } else { 2.0 }
 }
 
 /// Length of a vector. In the plane it has the bits of `hypot`.
@@ -374,27 +370,18 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
 fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
     let mut motions = Vec::new();
-    for (i, cylinder) in (1..).zip(&fluid.cylinders) {
-        let Some(motion) = &cylinder.motion else { continue };
-        motions.push(Drive {
-            speed: f64::hypot(motion.x.largest_rate(), motion.y.largest_rate()),
-            name: format!("motion of cylinder {i}"),
-            frequency: first_frequency(&[&motion.x, &motion.y]),
-        });
-    }
-    for (i, body) in (1..).zip(&fluid.bodies) {
-        let Some(motion) = body.laws() else { continue };
+    for own in fluid.obstacles() {
+        let Some(motion) = own.body.laws() else { continue };
         let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
         motions.push(Drive {
-            speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(body) },
-            name: format!("motion of body {i}"),
+            speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(&own.body) },
+            name: format!("motion of {}", own.name),
             frequency: first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
         });
     }
     for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
         let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };
-        let turns: Vec<_> = laws.rotations.iter().map(|rotation| &rotation.angle).collect();
-        let all = [&[&laws.x, &laws.y, &laws.z], turns.as_slice()].concat();
+        let all: Vec<_> = laws.all().collect();
         motions.push(Drive {
             speed: norm(all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length })),
             name: "drive of the root".into(),

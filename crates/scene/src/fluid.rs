@@ -1,12 +1,13 @@
 //! The fluid: box, zones, cylinders and probes.
 
+use method::{Filter, Mask, Precision, TimeScheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, BodyDrive, BodyMotion, Shape};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
-use crate::method::{Filter, Mask, Precision, TimeScheme, TimeStepping};
+use crate::stepping::{TimeStepping, check_mask};
 
 /// An incompressible fluid in a periodic box of two or three dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -225,6 +226,36 @@ impl From<&Cylinder> for Body {
     }
 }
 
+/// A rigid body of a fluid, from `cylinders` or from `bodies`.
+pub(crate) struct Obstacle {
+    /// Path of the body, e.g. `fluid.bodies[0]`.
+    pub key: String,
+    /// Path of its place.
+    pub place: String,
+    /// Name in a sentence, e.g. `body 1`.
+    pub name: String,
+    /// Name of its force, e.g. `body_1`.
+    pub force: String,
+    pub body: Body,
+}
+
+impl Fluid {
+    /// Return the rigid bodies, cylinders first.
+    pub(crate) fn obstacles(&self) -> impl Iterator<Item = Obstacle> {
+        let obstacle = |list: &str, place: &str, name: &str, (i, body): (usize, Body)| Obstacle {
+            key: format!("fluid.{list}[{i}]"),
+            place: format!("fluid.{list}[{i}].{place}"),
+            name: format!("{name} {}", i + 1),
+            force: format!("{name}_{}", i + 1),
+            body,
+        };
+        let cylinders = self.cylinders.iter().map(Body::from).enumerate();
+        let cylinders = cylinders.map(move |own| obstacle("cylinders", "center", "cylinder", own));
+        cylinders
+            .chain(self.bodies.iter().cloned().enumerate().map(move |own| obstacle("bodies", "position", "body", own)))
+    }
+}
+
 impl FluidBox {
     /// Return the ends along each axis, m.
     pub fn ends(&self) -> impl Iterator<Item = [f64; 2]> {
@@ -234,14 +265,6 @@ impl FluidBox {
     /// Return the lengths of a cell along each axis, m.
     pub(crate) fn spacing(&self) -> Vec<f64> {
         self.ends().zip(&self.cells).map(|([low, high], count)| (high - low) / *count as f64).collect()
-    }
-}
-
-impl FluidBox {
-    /// Return the lengths of a cell along x and y, m.
-    pub(crate) fn in_plane(&self) -> [f64; 2] {
-        let spacing = self.spacing();
-        [spacing[0], spacing[1]]
     }
 }
 
@@ -283,7 +306,8 @@ impl Check for Fluid {
         self.check_box(&format!("{key}.box"), faults);
         self.check_zones(key, faults);
         self.probes.check_at(&format!("{key}.probes"), faults);
-        self.cylinders.check_at(&format!("{key}.cylinders"), faults);
+        let cylinders: Vec<_> = self.cylinders.iter().map(Body::from).collect();
+        cylinders.check_at(&format!("{key}.cylinders"), faults);
         self.bodies.check_at(&format!("{key}.bodies"), faults);
         for (i, probe) in self.probes.iter().enumerate() {
             let key = format!("{key}.probes[{i}]");
@@ -323,7 +347,7 @@ impl Check for Fluid {
                 });
             }
         }
-        self.mask.check_at(&format!("{key}.mask"), &self.r#box.cells, faults);
+        check_mask(&self.mask, &format!("{key}.mask"), &self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);
         self.check_dimension(key, faults);
     }
@@ -450,13 +474,5 @@ impl Check for Probe {
         faults.require(good, &format!("{key}.name"), format!("{:?}", self.name), || {
             "a name is a letter, then letters a-z, A-Z, digits and _".into()
         });
-    }
-}
-
-impl Check for Cylinder {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        let Some(motion) = &self.motion else { return };
-        motion.x.check_at(&format!("{key}.motion.x"), faults);
-        motion.y.check_at(&format!("{key}.motion.y"), faults);
     }
 }

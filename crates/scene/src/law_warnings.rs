@@ -4,11 +4,13 @@
 
 use std::f64::consts::PI;
 
+use method::Precision;
+
+use crate::body::BodyMotion;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
-use crate::method::Precision;
 use crate::places::rounded;
-use crate::root::{RootMotion, RootSupport};
+use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::Scene;
 use crate::warnings::Warning;
 
@@ -32,17 +34,17 @@ const STEPS: f64 = 8.0;
 /// Communication steps in a period that are advised.
 const ADVISED: f64 = 20.0;
 
-/// Return what is to be told of the laws and springs of a scene.
+/// Return the warning about the laws and springs of a scene.
 pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     let step = scene.time.communication_step;
     let mut found = Vec::new();
-    for (key, law) in laws(scene) {
+    visit(scene, &mut |key, law| {
         law.visit(&key, &mut |key, law| {
             found.extend(tables(key, law, scene.time.end));
             found.extend(sudden(key, law, step));
             found.extend(law.highest_frequency().and_then(|frequency| fast(key, "`", "", frequency, step)));
         });
-    }
+    });
     let bodies = scene.fluid.iter().flat_map(|fluid| fluid.bodies.iter().enumerate());
     for (i, mount) in bodies.filter_map(|(i, body)| Some((i, body.mount.as_ref()?))) {
         let inertias = [mount.mass, mount.mass, mount.inertia.unwrap_or(f64::INFINITY)];
@@ -55,7 +57,7 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     found
 }
 
-/// Return what is to be told of the drag rate of solids; `passage` is the time in which the flow passes one, s.
+/// Return the warning about the drag rate of solids; `passage` is the time in which the flow passes one, s.
 pub(crate) fn of_drag(fluid: &Fluid, step: f64, passage: Option<f64>) -> Option<Warning> {
     let (c_eta, step) = (fluid.mask.c_eta(), step.min(fluid.time_stepping.max_step));
     let least = step
@@ -75,48 +77,50 @@ pub(crate) fn of_drag(fluid: &Fluid, step: f64, passage: Option<f64>) -> Option<
     Some(warning("fluid.mask", None, text))
 }
 
-/// Return every law of a scene with its key.
-fn laws(scene: &Scene) -> Vec<(String, &TimeLaw)> {
-    let mut all = Vec::new();
+/// Call `see` with every law of a scene and its key.
+fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     if let Some(fluid) = &scene.fluid {
         let zones = [
             ("inflow", fluid.inflow.as_ref().map(|zone| &zone.mean_velocity)),
             ("sponge", fluid.sponge.as_ref().map(|zone| &zone.mean_velocity)),
         ];
-        all.extend(zones.into_iter().filter_map(|(name, law)| Some((format!("fluid.{name}.mean_velocity"), law?))));
-        let mean = fluid.mean_flow.iter().flat_map(|mean| mean.laws());
-        all.extend(mean.map(|(name, law)| (format!("fluid.mean_flow.{name}"), law)));
-        for (i, motion) in fluid.cylinders.iter().enumerate().filter_map(|(i, own)| Some((i, own.motion.as_ref()?))) {
-            let key = |name: &str| format!("fluid.cylinders[{i}].motion.{name}");
-            all.extend([(key("x"), &motion.x), (key("y"), &motion.y)]);
+        for (name, law) in zones.into_iter().filter_map(|(name, law)| Some((name, law?))) {
+            see(format!("fluid.{name}.mean_velocity"), law);
         }
-        for (i, motion) in fluid.bodies.iter().enumerate().filter_map(|(i, body)| Some((i, body.laws()?))) {
-            let parts = [("x", &motion.x), ("y", &motion.y), ("z", &motion.z), ("angle", &motion.angle)];
-            all.extend(parts.map(|(name, law)| (format!("fluid.bodies[{i}].motion.{name}"), law)));
+        for (name, law) in fluid.mean_flow.iter().flat_map(|mean| mean.laws()) {
+            see(format!("fluid.mean_flow.{name}"), law);
+        }
+        for own in fluid.obstacles() {
+            let Some(BodyMotion { x, y, z, angle, .. }) = own.body.laws() else { continue };
+            for (name, law) in [("x", x), ("y", y), ("z", z), ("angle", angle)] {
+                see(format!("{}.motion.{name}", own.key), law);
+            }
         }
     }
     for own in scene.beams_with_rods() {
         let Some(rod) = own.rod else { continue };
         let key = format!("{}rod", own.key());
-        if let Some(RootMotion::Laws(motion)) = &rod.root_motion {
-            let parts = [("x", &motion.x), ("y", &motion.y), ("z", &motion.z)];
-            all.extend(parts.map(|(name, law)| (format!("{key}.root_motion.laws.{name}"), law)));
-            let turns = motion.rotations.iter().enumerate();
-            all.extend(turns.map(|(i, turn)| (format!("{key}.root_motion.laws.rotations[{i}].angle"), &turn.angle)));
+        if let Some(RootMotion::Laws(RootLaws { x, y, z, rotations })) = &rod.root_motion {
+            for (name, law) in [("x", x), ("y", y), ("z", z)] {
+                see(format!("{key}.root_motion.laws.{name}"), law);
+            }
+            for (i, turn) in rotations.iter().enumerate() {
+                see(format!("{key}.root_motion.laws.rotations[{i}].angle"), &turn.angle);
+            }
         }
         if let RootSupport::Free { force_x, force_y, force_z } = &rod.root {
-            let parts = [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)];
-            all.extend(parts.map(|(name, law)| (format!("{key}.root.free.{name}"), law)));
+            for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
+                see(format!("{key}.root.free.{name}"), law);
+            }
         }
     }
-    all
 }
 
 fn warning(key: &str, time: Option<f64>, text: String) -> Warning {
     Warning { key: key.into(), time, text }
 }
 
-/// Return what is to be told of a table in a run up to `end` (s).
+/// Return the warning about a table in a run up to `end` (s).
 fn tables(key: &str, law: &TimeLaw, end: f64) -> Vec<Warning> {
     let TimeLaw::Table(table) = law else { return Vec::new() };
     let mut found = Vec::new();
@@ -145,7 +149,7 @@ fn tables(key: &str, law: &TimeLaw, end: f64) -> Vec<Warning> {
     found
 }
 
-/// Return what is to be told of a ramp of a motion in communication steps of `step` (s).
+/// Return the warning about a ramp of a motion in communication steps of `step` (s).
 fn sudden(key: &str, law: &TimeLaw, step: f64) -> Option<Warning> {
     let TimeLaw::CosineRamp { value, duration } = law else { return None };
     let steps = duration / step;
@@ -160,7 +164,7 @@ fn sudden(key: &str, law: &TimeLaw, step: f64) -> Option<Warning> {
     })
 }
 
-/// Return what is to be told of an oscillation of so many Hz with communication steps of `step` (s).
+/// Return the warning about an oscillation of so many Hz with communication steps of `step` (s).
 fn fast(key: &str, before: &str, after: &str, frequency: f64, step: f64) -> Option<Warning> {
     let steps = 1.0 / (frequency * step);
     (steps < STEPS * (1.0 - 1e-9)).then(|| {

@@ -1,8 +1,9 @@
 //! The load of the fluid on the rods: the choice where a scene leaves it open, and the quantities that follow from it.
 
-use crate::beam::{Beam, Surface};
+use method::{Surface, TimeScheme};
+
+use crate::beam::Beam;
 use crate::coupling::Load;
-use crate::method::TimeScheme;
 use crate::rod::{Material, Rod};
 use crate::root::RootSupport;
 use crate::scene::Scene;

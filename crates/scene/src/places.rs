@@ -1,14 +1,12 @@
 //! Places of bodies, beams and zones that no scene can mean. What may be meant is a [warning](crate::warnings).
 
+use geometry::{Chain, Shape, Surface, beyond, crosses, sides};
+
 use crate::beam::{Beam, Root};
-use crate::body::Body;
 use crate::fault::{Fault, Faults};
-use crate::figure::{Cord, Figure, Sheet};
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
-use crate::plane::{Outline, Point, cross, distance, meet, sides};
 use crate::scene::{BeamWithRod, Scene};
-use crate::space::Vector;
 
 /// Least share of its area in an inflow zone or a sponge with which a body is refused.
 const IN_ZONE: f64 = 0.5;
@@ -19,50 +17,26 @@ const HIDDEN: f64 = 0.95;
 /// Part of the sum of half thicknesses below which the distance of two beams is an overlap.
 const ALONG: f64 = 0.95;
 
-/// Most stations of a beam at which it is looked at.
+/// Most stations of a beam at which it is checked.
 const MOST_STATIONS: usize = 128;
 
 /// Relative tolerance of a limit.
 const ROUNDING: f64 = 1e-9;
-
-/// A rigid body of a scene, a cylinder or another one.
-pub(crate) struct Obstacle {
-    /// Path of the body, e.g. `fluid.bodies[0]`.
-    pub key: String,
-    /// Path of its place.
-    pub place: String,
-    pub body: Body,
-}
 
 /// A beam of a scene as a line, with half its thickness.
 pub(crate) struct Line {
     /// Path of the beam, e.g. `rods[0].beam`.
     pub key: String,
     /// Some of the stations at rest, the first at the root and the last at the tip, m; z = 0 in two dimensions.
-    pub nodes: Vec<Vector>,
-    /// The same in the plane.
-    pub points: Vec<Point>,
-    /// Whether it has three dimensions.
-    pub is_space: bool,
+    pub nodes: Vec<[f64; 3]>,
+    /// The same with half the largest thickness.
+    pub chain: Chain,
+    /// Number of dimensions.
+    pub axes: usize,
     /// Half the largest thickness, m.
     pub half_thickness: f64,
     /// Index of the cylinder that holds the beam.
     pub support: Option<usize>,
-}
-
-/// Return the rigid bodies, cylinders first.
-pub(crate) fn obstacles(fluid: &Fluid) -> Vec<Obstacle> {
-    let cylinders = fluid.cylinders.iter().enumerate().map(|(i, cylinder)| Obstacle {
-        key: format!("fluid.cylinders[{i}]"),
-        place: format!("fluid.cylinders[{i}].center"),
-        body: cylinder.into(),
-    });
-    let bodies = fluid.bodies.iter().enumerate().map(|(i, body)| Obstacle {
-        key: format!("fluid.bodies[{i}]"),
-        place: format!("fluid.bodies[{i}].position"),
-        body: body.clone(),
-    });
-    cylinders.chain(bodies).collect()
 }
 
 /// Return the beams as lines.
@@ -78,12 +52,13 @@ fn line(scene: &Scene, own: &BeamWithRod) -> Line {
     if !beam.segments.is_multiple_of(stride) {
         nodes.extend(stations.last());
     }
+    let half_thickness = beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0;
     Line {
         key: format!("{}beam", own.key()),
-        points: nodes.iter().map(|&[x, y, _]| [x, y]).collect(),
+        chain: Chain::uniform(nodes.clone(), half_thickness),
         nodes,
-        is_space: scene.dimension(beam) == 3,
-        half_thickness: beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0,
+        axes: scene.dimension(beam),
+        half_thickness,
         support: match beam.root {
             Root::OnCylinder { cylinder, .. } => Some(cylinder),
             Root::At { .. } => None,
@@ -100,41 +75,37 @@ impl Line {
         }
     }
 
-    /// Return the place of the root.
-    fn root(&self) -> String {
-        shown(&self.nodes[0][..if self.is_space { 3 } else { 2 }])
+    fn shown(&self, p: &[f64; 3]) -> String {
+        shown(&p[..self.axes])
     }
 
-    /// Return the beam as a figure in space.
-    pub fn cord(&self) -> Cord {
-        Cord::new(self.nodes.clone(), self.half_thickness)
+    /// Return root and tip.
+    fn ends(&self) -> [[f64; 3]; 2] {
+        [self.nodes[0], self.nodes[self.nodes.len() - 1]]
     }
 
-    /// Whether beams overlap between their ends, or half of one lies in the other.
+    /// Return whether beams overlap between their ends, or half of one lies in the other.
     pub fn overlaps(&self, other: &Self) -> bool {
         let close = ALONG * (self.half_thickness + other.half_thickness);
         let inside = |a: &Self, b: &Self| {
-            let cord = b.cord();
-            let near = |p: &Vector| Cord::new(vec![*p; 2], 2.0 * close).distance(&cord);
-            let last = a.nodes.len() - 1;
-            let by_end = [0, last].iter().any(|&end| near(&a.nodes[end]) < 2.0 * close);
-            (by_end, 2 * a.nodes.iter().filter(|p| near(p) < close).count() > last)
+            let near = |p: &[f64; 3]| b.chain.distance_of(*p);
+            let by_end = a.ends().iter().any(|end| near(end) < 2.0 * close);
+            (by_end, 2 * a.nodes.iter().filter(|p| near(p) < close).count() >= a.nodes.len())
         };
         let ((by_one, one), (by_other, two)) = (inside(self, other), inside(other, self));
-        one || two || (!by_one && !by_other && self.cord().distance(&other.cord()) < close)
+        one || two || (!by_one && !by_other && self.chain.distance(&other.chain) < close)
     }
 
     fn refused(&self, reason: &str) -> Fault {
-        Fault::conflict(&self.place(), &self.root(), reason)
+        Fault::conflict(&self.place(), &self.shown(&self.nodes[0]), reason)
     }
 
-    /// Return the distance of a point from the line, m.
-    pub fn distance(&self, p: Point) -> f64 {
-        sides(&self.points).map(|(a, b)| distance(p, a, b)).fold(f64::INFINITY, f64::min)
+    fn meets(&self, key: &str, at: &[f64; 3]) -> Fault {
+        self.refused(&format!("the beam meets `{key}` at {}", self.shown(at)))
     }
 }
 
-/// Whether a stream passes the bodies along each axis, so that a closed section stops it.
+/// Return whether a stream passes the bodies along each axis, so that a closed section stops it.
 pub(crate) fn streams(fluid: &Fluid) -> [bool; 3] {
     let flows = |law: &TimeLaw| law.largest() > 0.0;
     let along_x = fluid.inflow.as_ref().is_some_and(|inflow| flows(&inflow.mean_velocity));
@@ -143,82 +114,51 @@ pub(crate) fn streams(fluid: &Fluid) -> [bool; 3] {
     streams
 }
 
-/// Return how far `at` lies outside `[low, high]`, m.
-pub(crate) fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
-    (low - at).max(at - high).max(0.0)
-}
-
 /// Add the places that no scene can mean.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
     check_widths(fluid, faults);
-    if fluid.is_space() {
-        check_in_space(scene, fluid, faults);
-    } else {
-        check_outside(scene, fluid, faults);
-    }
+    check_ends(scene, fluid, faults);
     if faults.len() > 0 {
         return;
     }
-    let obstacles = obstacles(fluid);
-    check_bodies(fluid, &obstacles, faults);
-    let lines = lines(scene);
-    if fluid.is_space() {
-        if let Some(reason) = wing_at(scene, 0.0).and_then(|wing| misplaced(fluid, &Figure::Sheet(wing), "wing")) {
-            faults.push(Fault::conflict("wing.mesh", "the mesh of the wing", &reason));
-        }
-        return check_lines_in_space(fluid, &lines, &obstacles, faults);
+    let (ends, obstacles): (Vec<_>, Vec<_>) = (fluid.r#box.ends().collect(), fluid.obstacles().collect());
+    let shapes: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.shape_at(0.0, &ends)).collect();
+    check_bodies(fluid, &obstacles, &shapes, faults);
+    if let Some(reason) = wing_at_start(scene).and_then(|wing| misplaced(fluid, &wing, "wing")) {
+        faults.push(Fault::conflict("wing.mesh", "the mesh of the wing", &reason));
     }
-    let outlines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.outline_at(0.0)).collect();
-    for line in &lines {
+    let lines = lines(scene);
+    for (j, line) in lines.iter().enumerate() {
         check_line(fluid, line, faults);
-        for (i, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
-            if let Some(points) = obstacle.body.line_at_rest() {
-                check_crossing(line, obstacle, &points, faults);
-            } else if line.support != Some(i) {
-                check_passage(fluid, line, obstacle, outline, faults);
+        for (i, (obstacle, shape)) in obstacles.iter().zip(&shapes).enumerate() {
+            if line.support != Some(i)
+                && let Some(fault) = passage(fluid, line, &obstacle.key, shape)
+            {
+                faults.push(fault);
             }
         }
-    }
-    for (j, line) in lines.iter().enumerate() {
         if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing(&lines[i], line)?))) {
-            faults.push(line.refused(&format!("the beam meets `{}` at {}", lines[i].key, shown(&at))));
+            faults.push(line.meets(&lines[i].key, &at));
         }
     }
 }
 
 /// Check that no body lies where it cannot be meant, or inside another.
-fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], faults: &mut Faults) {
-    let ends: Vec<_> = fluid.r#box.ends().collect();
-    let figures: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.figure_at(0.0, &ends)).collect();
-    for (obstacle, figure) in obstacles.iter().zip(&figures) {
-        if let Some(reason) = misplaced(fluid, figure, "body") {
+fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], shapes: &[Shape], faults: &mut Faults) {
+    let refused =
+        |Obstacle { place, body, .. }: &Obstacle, reason: &str| Fault::conflict(place, &shown(&body.position), reason);
+    for (obstacle, shape) in obstacles.iter().zip(shapes) {
+        if let Some(reason) = misplaced(fluid, shape, "body") {
             faults.push(refused(obstacle, &reason));
         }
     }
-    for (j, (obstacle, figure)) in obstacles.iter().zip(&figures).enumerate() {
-        if let Some(i) = (0..j).find(|&i| figures[i].shared(figure) > HIDDEN) {
+    for (j, (obstacle, shape)) in obstacles.iter().zip(shapes).enumerate() {
+        if let Some(i) = (0..j).find(|&i| shapes[i].shared(shape) > HIDDEN) {
             let reason = format!("one of this body and `{}` lies inside the other", obstacles[i].key);
             faults.push(refused(obstacle, &reason));
         }
     }
-}
-
-/// Check that beams and the wing lie inside the box at rest.
-fn check_in_space(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
-    let beams = scene.beams_with_rods().map(|own| (format!("{}beam.root", own.key()), scene.beam_stations(own.beam)));
-    let wing = scene.wing.iter().map(|wing| ("wing.mesh".into(), wing.mesh.build().nodes));
-    for (key, nodes) in beams.chain(wing) {
-        let ends: Vec<_> = fluid.r#box.ends().collect();
-        let inside = |node: &&[f64; 3]| node.iter().zip(&ends).all(|(at, [low, high])| (low..=high).contains(&at));
-        if let Some(node) = nodes.iter().find(|node| !inside(node)) {
-            faults.push(Fault::conflict(&key, &format!("{node:?}"), "this node lies outside the box at rest"));
-        }
-    }
-}
-
-fn refused(Obstacle { place, body, .. }: &Obstacle, reason: &str) -> Fault {
-    Fault::conflict(place, &shown(&body.position), reason)
 }
 
 /// Return a point with five digits.
@@ -232,15 +172,19 @@ pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
+/// Return inflow zone and sponge with their ends along x, m.
+pub(crate) fn zones(fluid: &Fluid) -> impl Iterator<Item = (&'static str, [f64; 2])> {
+    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
+    inflow.into_iter().chain(fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x)))
+}
+
 /// Check that zones and the channel have a cell, and that zones leave fluid between them.
 fn check_widths(fluid: &Fluid, faults: &mut Faults) {
     let spacing = fluid.r#box.spacing();
     let (dx, [x0, x1]) = (spacing[0], fluid.r#box.x);
-    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
-    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
     let mut free = x1 - x0;
-    for (name, [low, high]) in inflow.into_iter().chain(sponge) {
-        let (key, value) = (format!("fluid.{name}.x"), format!("[{low}, {high}]"));
+    for (name, [low, high]) in zones(fluid) {
+        let (key, value) = (format!("fluid.{}.x", name.trim_end_matches(" zone")), format!("[{low}, {high}]"));
         faults.require(high - low >= dx * (1.0 - ROUNDING), &key, &value, || {
             format!("the zone must be at least a cell wide, {dx} m")
         });
@@ -257,22 +201,26 @@ fn check_widths(fluid: &Fluid, faults: &mut Faults) {
     }
 }
 
-/// Check that cylinders and stations lie inside the box at rest, and that no two beams are the same.
-fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
-    let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
+/// Check that cylinders, stations and the wing lie inside the box at rest, and that no two beams of the plane are the same.
+fn check_ends(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
+    let ends: Vec<_> = fluid.r#box.ends().collect();
     for (i, cylinder) in fluid.cylinders.iter().enumerate() {
         fluid.check_place(&format!("fluid.cylinders[{i}].center"), &cylinder.center, faults);
     }
-    let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
-    for own in scene.beams_with_rods() {
-        let stations = scene.beam_stations(own.beam);
-        let key = format!("{}beam.root", own.key());
-        let out = stations.iter().find(|[x, y, _]| !(inside(*x, fluid.r#box.x) && inside(*y, fluid.r#box.y)));
-        if let Some([x, y, _]) = out {
-            let (box_x, box_y) = (fluid.r#box.x, fluid.r#box.y);
-            let reason = format!("outside the box x {box_x:?}, y {box_y:?}");
-            faults.push(Fault::consequence(&key, &format!("puts a station at ({x}, {y})"), &reason));
+    let beams = scene.beams_with_rods().map(|own| (own.key() + "beam.root", scene.beam_stations(own.beam)));
+    let wing = scene.wing.iter().map(|wing| ("wing.mesh".into(), wing.mesh.build().nodes));
+    for (key, nodes) in beams.chain(wing) {
+        let is_outside = |p: &&[f64; 3]| p.iter().zip(&ends).any(|(at, ends)| beyond(*at, *ends) > 0.0);
+        if let Some(node) = nodes.iter().find(is_outside) {
+            let at: Vec<_> = node[..ends.len()].iter().map(f64::to_string).collect();
+            let what = if key == "wing.mesh" { "node" } else { "station" };
+            let effect = format!("puts a {what} at ({})", at.join(", "));
+            faults.push(Fault::consequence(&key, &effect, &bounds_of("outside the box ", &ends)));
         }
+    }
+    let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
+    for own in scene.beams_with_rods().filter(|_| !fluid.is_space()) {
+        let (stations, key) = (scene.beam_stations(own.beam), format!("{}beam.root", own.key()));
         let ends = [stations[0], stations[stations.len() - 1]];
         if let Some((_, other)) = known.iter().find(|(other, _)| *other == ends) {
             let reason = "but no two beams may have the same root and tip";
@@ -282,38 +230,37 @@ fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
     }
 }
 
-/// Return the surface of the wing at time `t` (s), as if it were rigid; none without triangles.
-pub(crate) fn wing_at(scene: &Scene, t: f64) -> Option<Sheet> {
-    let wing = scene.wing.as_ref()?;
-    let mesh = wing.mesh.build();
-    let moved = |node: &Vector| match &wing.root_motion {
-        Some(laws) => laws.moved(*node, wing.pivot, t),
-        None => *node,
-    };
-    (!mesh.triangles.is_empty()).then(|| Sheet::new(mesh.nodes.iter().map(moved).collect(), mesh.triangles))
+/// Return the ends of the box behind some words.
+fn bounds_of(words: &str, ends: &[[f64; 2]]) -> String {
+    let each: Vec<_> = ends.iter().zip(AXES).map(|(ends, axis)| format!("{axis} {ends:?}")).collect();
+    words.to_string() + &each.join(", ")
 }
 
-/// Return why `what`, which has this figure, cannot be at its place at t = 0.
-fn misplaced(fluid: &Fluid, figure: &Figure, what: &str) -> Option<String> {
-    let bounds: Vec<_> = fluid.r#box.ends().collect();
-    let outside = |p: &[f64]| p.iter().zip(&bounds).any(|(at, ends)| beyond(*at, *ends) > 0.0);
-    if figure.share(outside) > HIDDEN {
-        let each: Vec<_> = bounds.iter().zip(AXES).map(|(ends, axis)| format!("{axis} {ends:?}")).collect();
-        return Some(format!("the {what} lies outside the box, {}", each.join(", ")));
+/// Return the surface of the wing at the start; none without triangles.
+fn wing_at_start(scene: &Scene) -> Option<Shape> {
+    let wing = scene.wing.as_ref()?;
+    let (mesh, laws) = (wing.mesh.build(), wing.root_motion.as_ref());
+    let moved = |node: &[f64; 3]| laws.map_or(*node, |laws| laws.moved(*node, wing.pivot, 0.0));
+    let nodes = mesh.nodes.iter().map(moved).collect();
+    (!mesh.triangles.is_empty()).then(|| Shape::Surface(Surface::new(nodes, mesh.triangles)))
+}
+
+/// Return why `what`, which has this shape, cannot be at its place at t = 0.
+fn misplaced(fluid: &Fluid, shape: &Shape, what: &str) -> Option<String> {
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    if shape.share(|p| p.iter().zip(&ends).any(|(at, ends)| beyond(*at, *ends) > 0.0)) > HIDDEN {
+        return Some(bounds_of(&format!("the {what} lies outside the box, "), &ends));
     }
     for (axis, walls) in walls(fluid) {
-        if figure.share(|p| beyond(p[axis], walls) > 0.0) > HIDDEN {
+        if shape.share(|p| beyond(p[axis], walls) > 0.0) > HIDDEN {
             let axis = AXES[axis];
             return Some(format!("the {what} lies in a wall of the channel, whose fluid is at {axis} {walls:?}"));
         }
     }
-    if let Some(reason) = blocked(fluid, figure) {
+    if let Some(reason) = blocked(fluid, shape) {
         return Some(format!("the {what} {reason}"));
     }
-    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
-    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
-    let (name, x) =
-        inflow.into_iter().chain(sponge).find(|(_, x)| figure.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
+    let (name, x) = zones(fluid).find(|(_, x)| shape.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
     Some(format!("most of the {what} lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
 }
 
@@ -330,9 +277,9 @@ pub(crate) fn walls(fluid: &Fluid) -> Vec<(usize, [f64; 2])> {
         .collect()
 }
 
-/// Return what a body with this figure stops by leaving no way around it.
-pub(crate) fn blocked(fluid: &Fluid, figure: &Figure) -> Option<String> {
-    let (cell, streams) = (fluid.r#box.spacing(), streams(fluid));
+/// Return what a body with this shape stops by leaving no way around it.
+pub(crate) fn blocked(fluid: &Fluid, shape: &Shape) -> Option<String> {
+    let (cell, streams, bounds) = (fluid.r#box.spacing(), streams(fluid), shape.bounds());
     let ends: Vec<_> = fluid.r#box.ends().collect();
     let mut walled = ends.clone();
     for (axis, walls) in walls(fluid) {
@@ -342,56 +289,55 @@ pub(crate) fn blocked(fluid: &Fluid, figure: &Figure) -> Option<String> {
         let is_walled = axis == 0 && fluid.channel.is_some();
         let (what, section) = if is_walled { ("channel", &walled) } else { ("box", &ends) };
         let is_open = |other: usize| {
-            let ([low, high], [from, to]) = (section[other], figure.frame()[other]);
+            let ([low, high], [from, to]) = (section[other], bounds[other]);
             (from - low).max(0.0) + (high - to).max(0.0) >= cell[other] * (1.0 - ROUNDING)
         };
         let mut across = (0..ends.len()).filter(|&other| other != axis);
         let [low, high] = section[usize::from(axis == 0)];
-        let stops = !across.any(is_open) && figure.covers(axis, section);
+        let stops = !across.any(is_open) && shape.covers(axis, section);
         stops.then(|| format!("fills the {what} from {low} to {high} and stops the stream along {}", AXES[axis]))
     })
 }
 
 /// Check that a beam neither passes through a wall of the channel nor lies in a zone.
 fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
-    let (cell, axes) = (fluid.r#box.spacing(), if line.is_space { 3 } else { 2 });
+    let cell = fluid.r#box.spacing();
     for (axis, walls) in walls(fluid) {
         // A root may be embedded in a wall; what leaves the channel never comes from there.
-        let in_wall = |p: &Vector| beyond(p[axis], walls) > cell[axis];
+        let in_wall = |p: &[f64; 3]| beyond(p[axis], walls) > cell[axis];
         let free = line.nodes.iter().position(|p| !in_wall(p));
         let reason = match free.map(|free| line.nodes[free..].iter().find(|p| in_wall(p))) {
             None => Some("the beam lies in a wall of the channel".into()),
-            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(&p[..axes]))),
+            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", line.shown(p))),
             Some(None) => None,
         };
         if let Some(reason) = reason {
             faults.push(line.refused(&format!("{reason}, whose fluid is at {} {walls:?}", AXES[axis])));
         }
     }
-    let dx = cell[0];
-    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
-    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
-    for (name, [low, high]) in inflow.into_iter().chain(sponge) {
-        let inside = line.points.iter().filter(|p| low + dx < p[0] && p[0] < high - dx).count();
-        faults.require(inside as f64 <= IN_ZONE * line.points.len() as f64, &line.place(), line.root(), || {
-            format!("most of the beam lies in the {name}, x [{low}, {high}]")
-        });
+    for (name, [low, high]) in zones(fluid) {
+        let inside = line.nodes.iter().filter(|p| low + cell[0] < p[0] && p[0] < high - cell[0]).count();
+        faults.require(
+            inside as f64 <= IN_ZONE * line.nodes.len() as f64,
+            &line.place(),
+            line.shown(&line.nodes[0]),
+            || format!("most of the beam lies in the {name}, x [{low}, {high}]"),
+        );
     }
 }
 
-/// Check that a beam does not pass through a body, and that its root is not inside a cylinder that does not hold it.
-fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outline, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.in_plane();
-    let size = outline.frame.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
-    let deep = dx.max(dy).min(size / 4.0);
-    if let Some(fault) = passage(line, &obstacle.key, |&[x, y, _]| outline.depth([x, y]) > deep) {
-        faults.push(fault);
+/// Return the fault of a beam that passes through the body of `key`, or whose root is inside a cylinder that does not
+/// hold it.
+fn passage(fluid: &Fluid, line: &Line, key: &str, shape: &Shape) -> Option<Fault> {
+    match shape {
+        Shape::Surface(surface) => return line.chain.piercing(surface).map(|at| line.meets(key, &at)),
+        Shape::Chain(other) => return strict_crossing(&line.chain, other).map(|at| line.meets(key, &at)),
+        Shape::Outline(_) | Shape::Solid(_) => (),
     }
-}
-
-/// Return the fault of a beam that passes through a body, in which points are inside.
-fn passage(line: &Line, key: &str, inside: impl Fn(&Vector) -> bool) -> Option<Fault> {
     let is_cylinder = key.starts_with("fluid.cylinders");
+    let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+    let deep = cell.min(shape.thickness() / 4.0);
+    let inside = |p: &[f64; 3]| shape.distance(*p) < -deep;
     // A root may be embedded in a body, and a beam may begin at the surface of any.
     let free = line.nodes.iter().position(|p| !inside(p));
     let reason = match free {
@@ -399,87 +345,32 @@ fn passage(line: &Line, key: &str, inside: impl Fn(&Vector) -> bool) -> Option<F
         Some(1..) if is_cylinder => format!("the root lies inside `{key}`; `on_cylinder` holds a beam at its surface"),
         Some(free) => {
             let at = line.nodes[free..].iter().find(|p| inside(p))?;
-            format!("the beam passes through `{key}` at {}", shown(&at[..if line.is_space { 3 } else { 2 }]))
+            format!("the beam passes through `{key}` at {}", line.shown(at))
         }
     };
     Some(line.refused(&reason))
 }
 
-/// Check that beams in space do not pass through walls, bodies or one another.
-fn check_lines_in_space(fluid: &Fluid, lines: &[Line], obstacles: &[Obstacle], faults: &mut Faults) {
-    let ends: Vec<_> = fluid.r#box.ends().collect();
-    let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
-    for line in lines {
-        check_line(fluid, line, faults);
-        for Obstacle { key, body, .. } in obstacles {
-            let fault = match body.figure_at(0.0, &ends) {
-                Figure::Solid(solid) => {
-                    let deep = cell.min(solid.least_half() / 2.0);
-                    passage(line, key, |p| solid.contains(*p, -deep))
-                }
-                Figure::Sheet(sheet) => {
-                    let at = line.cord().piercing(&sheet);
-                    at.map(|at| line.refused(&format!("the beam meets `{key}` at {}", shown(&at))))
-                }
-                _ => None,
-            };
-            if let Some(fault) = fault {
-                faults.push(fault);
-            }
-        }
-    }
-    for (j, line) in lines.iter().enumerate() {
-        if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing_in_space(&lines[i], line)?))) {
-            faults.push(line.refused(&format!("the beam meets `{}` at {}", lines[i].key, shown(&at))));
-        }
-    }
-}
-
-/// Return a point at which two beams in space cross, or from which on they lie on each other. An end of one may touch
-/// the other.
-fn crossing_in_space(a: &Line, b: &Line) -> Option<Vector> {
-    let point = |p: Vector| Cord::new(vec![p, p], 0.0);
-    let (one, other) = (a.cord(), b.cord());
-    let close = a.half_thickness.min(b.half_thickness) / 4.0;
-    let touches = |line: &Line, cord: &Cord| {
-        [line.nodes[0], line.nodes[line.nodes.len() - 1]].iter().any(|end| point(*end).distance(cord) < close)
-    };
-    let lies_on = |line: &Line, cord: &Cord| {
-        let near: Vec<_> = line.nodes.iter().filter(|p| point(**p).distance(cord) < close).collect();
-        (near.len() * 10 > line.nodes.len().max(10)).then(|| *near[0])
-    };
-    let crosses = !touches(a, &other) && !touches(b, &one) && one.distance(&other) < close;
-    let nearest = || {
-        let apart = |p: &&Vector| point(**p).distance(&one);
-        b.nodes.iter().min_by(|p, q| apart(p).total_cmp(&apart(q))).copied()
-    };
-    if crosses { nearest() } else { lies_on(b, &one).or_else(|| lies_on(a, &other)) }
-}
-
-/// Check that a beam does not cross a rigid line.
-fn check_crossing(line: &Line, obstacle: &Obstacle, points: &[Point], faults: &mut Faults) {
-    let pairs = sides(&line.points).flat_map(|own| sides(points).map(move |other| (own, other)));
-    if let Some(((at, _), _)) = pairs.into_iter().find(|((p, q), (r, s))| cross(*p, *q, *r, *s)) {
-        faults.push(line.refused(&format!("the beam meets `{}` at {}", obstacle.key, shown(&at))));
-    }
+/// Return the begin of an edge that has its ends on both sides of an edge of another line of the plane, which has its
+/// ends on both sides of the first.
+fn strict_crossing(line: &Chain, other: &Chain) -> Option<[f64; 3]> {
+    let flat = |[a, b]: [[f64; 3]; 2]| [a, b].map(|[x, y, _]| [x, y]);
+    let crossed = |edge: &[[f64; 3]; 2]| sides(other.points()).any(|own| crosses(flat(*edge), flat(own)));
+    sides(line.points()).find(crossed).map(|[begin, _]| begin)
 }
 
 /// Return a point at which two beams cross, or from which on they lie on each other. An end of one may touch the other.
-fn crossing(a: &Line, b: &Line) -> Option<Point> {
-    let touches = |one: &Line, other: &Line| {
-        let ends = [one.points[0], one.points[one.points.len() - 1]];
-        ends.iter().any(|end| other.distance(*end) <= ROUNDING * one.half_thickness)
-    };
-    let touch = touches(a, b) || touches(b, a);
-    let pairs = sides(&a.points).flat_map(|one| sides(&b.points).map(move |other| (one, other)));
-    let crossed = |((p, q), (r, s)): &((Point, Point), (Point, Point))| {
-        if touch { cross(*p, *q, *r, *s) } else { meet(*p, *q, *r, *s) }
-    };
-    let first = pairs.into_iter().find(crossed).map(|((p, _), _)| p);
+fn crossing(a: &Line, b: &Line) -> Option<[f64; 3]> {
+    let close = a.half_thickness.min(b.half_thickness) / 4.0;
+    let touches = |one: &Line, other: &Line| one.ends().iter().any(|end| other.chain.distance_of(*end) < close);
     let lies_on = |one: &Line, other: &Line| {
-        let close = other.half_thickness.min(one.half_thickness) / 4.0;
-        let near: Vec<_> = one.points.iter().filter(|p| other.distance(**p) < close).copied().collect();
-        (near.len() * 10 > one.points.len().max(10)).then(|| near[0])
+        let near: Vec<_> = one.nodes.iter().filter(|p| other.chain.distance_of(**p) < close).collect();
+        (near.len() * 10 > one.nodes.len().max(10)).then(|| *near[0])
     };
-    first.or_else(|| lies_on(a, b)).or_else(|| lies_on(b, a))
+    let crosses = !touches(a, b) && !touches(b, a) && a.chain.distance(&b.chain) < close;
+    let apart = |p: &&[f64; 3]| a.chain.distance_of(**p);
+    let nearest = || b.nodes.iter().min_by(|p, q| apart(p).total_cmp(&apart(q))).copied();
+    let in_plane = || if a.axes == 2 { strict_crossing(&a.chain, &b.chain) } else { None };
+    let crossed = if crosses { nearest() } else { in_plane() };
+    crossed.or_else(|| lies_on(b, a)).or_else(|| lies_on(a, b))
 }

@@ -1,12 +1,32 @@
 //! From the text of a scene file to a checked scene, or to its faults.
 
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::conform::{self, RENAMED};
 use crate::fault::{Fault, FaultKind, Faults, SceneError, join};
 use crate::json::{self, Content, Node};
 use crate::relations;
 use crate::scene::{FORMAT, Scene};
+
+/// The last text whose scene was [kept](kept), and that scene. A run asks a library for facts, a description, an instance
+/// and, again and again, warnings of one text. What only makes instances keeps nothing, for a library that is unloaded
+/// would lose it.
+static LAST: Mutex<Option<(String, Scene)>> = Mutex::new(None);
+
+fn last() -> MutexGuard<'static, Option<(String, Scene)>> {
+    LAST.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Return the scene of a text without faults, and keep it.
+pub(crate) fn kept(text: &str) -> Option<Scene> {
+    let scene = read(text).ok()?;
+    let mut last = last();
+    if last.as_ref().is_none_or(|(known, _)| known != text) {
+        *last = Some((text.into(), scene.clone()));
+    }
+    Some(scene)
+}
 
 impl Scene {
     /// Read and check a scene file.
@@ -52,12 +72,18 @@ pub fn check_text(text: &str, original: Option<&str>) -> String {
 
 /// Return the facts of a scene as a JSON object, or `null` for a scene with faults.
 pub fn facts_text(text: &str) -> String {
-    let facts = Scene::from_json(text).ok().map(|scene| scene.facts());
+    let facts = kept(text).map(|scene| scene.facts());
     serde_json::to_string(&facts).expect("facts are plain JSON")
 }
 
-/// Parse and check a text; the faults of a refused scene come with its tree, if the text is JSON.
+/// Return the scene of a text, which is parsed and checked where it is not the kept one; the faults of a refused scene
+/// come with its tree, if the text is JSON.
 fn read(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
+    let known = last().as_ref().filter(|(known, _)| known == text).map(|(_, scene)| scene.clone());
+    known.map_or_else(|| parse(text), Ok)
+}
+
+fn parse(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
     let mut faults = Faults::default();
     let Some(tree) = json::parse(text, &mut faults) else { return Err((None, faults)) };
     if faults.len() == 0 {

@@ -2,17 +2,18 @@
 
 use std::fmt::Debug;
 
-use crate::beam::{Beam, Root, Surface};
-use crate::body::Axis;
+use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
+
+use crate::beam::{Beam, Root};
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
 use crate::load::Weight;
-use crate::method::{TimeScheme, TimeStepping};
 use crate::places;
-use crate::rod::{Bending, Calibration, Material, Rod};
-use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Slide, Z_AXIS};
+use crate::rod::{Material, Rod};
+use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
 use crate::scene::{BeamWithRod, Scene, Time};
+use crate::stepping::TimeStepping;
 use crate::wing::WingMesh;
 
 /// Most characters of the name of a scene: the file names of its units stay within the limits of file systems.
@@ -27,7 +28,7 @@ const MOST_SUBSTEPS: f64 = 1e5;
 /// Most communication steps in a run.
 const MOST_STEPS: f64 = 1e12;
 
-/// Add the contradictions of a scene. Those that need values along a beam are looked for only where there are no
+/// Add the contradictions of a scene. Those that need values along a beam are sought only where there are no
 /// others.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     check_name_and_time(scene, faults);

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use geometry::vector::{cross, turned};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::body::Axis;
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 
@@ -47,18 +47,6 @@ pub enum RootSupport {
         #[serde(default)]
         force_z: TimeLaw,
     },
-}
-
-/// Guide of the root: along one axis the root moves under the loads, in all else as `root` and `root_motion` say.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Slide {
-    /// Axis of the guide; z in three dimensions only.
-    pub along: Axis,
-    /// Mass that moves with the root besides the rod, kg (per metre of depth in two dimensions).
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass: f64,
 }
 
 /// Prescribed motion of the root.
@@ -109,6 +97,11 @@ fn z_axis() -> [f64; 3] {
 }
 
 impl RootLaws {
+    /// Return all laws: of the displacement, then of the rotations.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &TimeLaw> {
+        [&self.x, &self.y, &self.z].into_iter().chain(self.rotations.iter().map(|turn| &turn.angle))
+    }
+
     /// Return displacement, m, and velocity, m/s, at time `t` (s).
     pub fn displacement(&self, t: f64) -> ([f64; 3], [f64; 3]) {
         let [x, y, z] = [&self.x, &self.y, &self.z].map(|law| law.value_and_rate(t));
@@ -128,23 +121,11 @@ impl RootLaws {
             let norm = rotation.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
             let axis = rotation.axis.map(|c| c / norm);
             let (angle, omega) = rotation.angle.value_and_rate(t);
-            let turned = rotate(axis, angle, direction);
-            let (carried, turning) = (rotate(axis, angle, rate), cross(axis, turned));
-            (turned, std::array::from_fn(|d| carried[d] + omega * turning[d]))
+            let (now, carried) = (turned(direction, axis, angle), turned(rate, axis, angle));
+            let turning = cross(axis, now);
+            (now, std::array::from_fn(|d| carried[d] + omega * turning[d]))
         })
     }
-}
-
-/// Return `v` turned by `angle` about the unit vector `axis` (Rodrigues).
-fn rotate(axis: [f64; 3], angle: f64, v: [f64; 3]) -> [f64; 3] {
-    let (sin, cos) = angle.sin_cos();
-    let across = cross(axis, v);
-    let along: f64 = axis.iter().zip(v).map(|(a, v)| a * v).sum();
-    std::array::from_fn(|d| cos * v[d] + sin * across[d] + (1.0 - cos) * along * axis[d])
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 impl RootSupport {

@@ -1,6 +1,8 @@
 //! The fluid that moves with a beam: inside its mask, or in the layer of a line.
 
-use crate::beam::{Beam, Surface};
+use method::Surface;
+
+use crate::beam::Beam;
 use crate::fluid::Fluid;
 use crate::rod::Rod;
 use crate::scene::Scene;

@@ -1,19 +1,18 @@
 //! What may be a mistake in a scene, known before a run: places of its parts, the motions that laws prescribe, streams
 //! that meet their own wake, wakes that stay symmetric, weights that no rod carries.
 
+use geometry::{Shape, Surface, Touch, beyond};
 use serde::Serialize;
 
 use crate::body::Body;
-use crate::figure::{Cord, Figure, Sheet};
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
-use crate::places::{self, AXES, Line, Obstacle, beyond, rounded, shown};
-use crate::plane::{Outline, Point};
+use crate::monitor::{Monitor, Part};
+use crate::places::{self, AXES, Line, rounded, shown};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
-use crate::space::Vector;
 
-/// Times at which motions are looked at, over the whole run and once more at its beginning.
+/// Times at which motions are checked, over the whole run and once more at its beginning.
 const TIMES: usize = 2000;
 
 /// Times in a period of the fastest motion, at its beginning.
@@ -28,7 +27,7 @@ const SHEDDING_ROUND: f64 = 270.0;
 /// Tips of clamped linear beams sink by this number of lengths, times 8, under a weight that is hardly meant.
 const HEAVIEST: f64 = 300.0;
 
-/// Difference of the velocities of sponge and stream by the larger one above which it is told of.
+/// Difference of the velocities of sponge and stream by the larger one above which it is a warning.
 const OTHER: f64 = 0.05;
 
 /// Times at which they are compared.
@@ -55,159 +54,88 @@ pub struct Warning {
 pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     let mut found = Vec::new();
     if let Some(fluid) = &scene.fluid {
-        let parts = parts(scene, fluid);
-        meetings(scene, fluid, &parts, &mut found);
+        let ends: Vec<_> = fluid.r#box.ends().collect();
+        let parts = parts(scene, fluid, &ends);
+        let start: Vec<_> = parts.iter().map(|own| own.motion.shape_at(&own.part.rest, 0.0, &ends)).collect();
+        overlaps(scene, &parts, &start, ends.len(), &mut found);
         found.extend(own_wake(scene, fluid, &parts));
-        found.extend(probes(fluid, &parts));
+        found.extend(probes(fluid, &parts, &start));
         found.extend(other_sponge(scene, fluid));
-        found.extend(symmetry(scene, fluid, &parts, reynolds));
+        found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
+        found.extend(motions(scene, fluid, parts, &start, &ends));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
     found
 }
 
-/// A body, a beam or the wing, which the fluid sees; what a law drives at its root moves as if it were rigid.
-struct Part<'a> {
-    key: String,
+/// A part with its motion; what a law drives at its root moves as if it were rigid.
+struct Moving<'a> {
+    part: Part,
     motion: Motion<'a>,
-    /// Index of the cylinder that holds the beam, which is a part of this index too.
-    support: Option<usize>,
-    kind: Kind,
-    /// Half the thickness of a beam, m; infinite for others.
-    half: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Body,
-    Beam,
-    Wing,
 }
 
 /// The motion of a part over time.
 enum Motion<'a> {
-    Rigid { body: Box<Body>, ends: Vec<[f64; 2]> },
-    Still(Figure),
-    Root { nodes: Vec<Vector>, form: Form, pivot: Vector, laws: &'a RootLaws },
+    Body(Box<Body>),
+    Root { pivot: [f64; 3], laws: Option<&'a RootLaws> },
 }
 
-/// The figure through nodes.
-enum Form {
-    /// Of half that thickness in the plane, m.
-    Strip(f64),
-    /// Of half that thickness in space, m.
-    Cord(f64),
-    /// Of these triangles.
-    Sheet(Vec<[usize; 3]>),
-}
-
-impl Form {
-    fn through(&self, nodes: Vec<Vector>) -> Figure {
+impl Motion<'_> {
+    /// Return the shape at time `t` (s) of a part with this shape at rest.
+    fn shape_at(&self, rest: &Shape, t: f64, ends: &[[f64; 2]]) -> Shape {
         match self {
-            Self::Strip(half) => Figure::Flat(strip(&nodes.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>(), *half)),
-            Self::Cord(half) => Figure::Cord(Cord::new(nodes, *half)),
-            Self::Sheet(triangles) => Figure::Sheet(Sheet::new(nodes, triangles.clone())),
+            Self::Body(body) => body.shape_at(t, ends),
+            Self::Root { laws: Some(laws), pivot } => rest.moved(|node| laws.moved(node, *pivot, t)),
+            Self::Root { laws: None, .. } => rest.clone(),
         }
     }
 }
 
-impl<'a> Motion<'a> {
-    /// The motion of what is held at its root.
-    fn of_root(nodes: Vec<Vector>, form: Form, pivot: Vector, laws: Option<&'a RootLaws>) -> Self {
-        match laws {
-            Some(laws) => Self::Root { nodes, form, pivot, laws },
-            None => Self::Still(form.through(nodes)),
-        }
-    }
-}
-
-impl Part<'_> {
-    fn at(&self, t: f64) -> Figure {
-        match &self.motion {
-            Motion::Rigid { body, ends } => body.figure_at(t, ends),
-            Motion::Still(figure) => figure.clone(),
-            Motion::Root { nodes, form, pivot, laws } => {
-                form.through(nodes.iter().map(|node| laws.moved(*node, *pivot, t)).collect())
-            }
-        }
-    }
-
-    fn moves(&self) -> bool {
-        match &self.motion {
-            Motion::Rigid { body, .. } => body.laws().is_some(),
-            Motion::Still(_) => false,
-            Motion::Root { .. } => true,
-        }
+impl Moving<'_> {
+    fn is_body(&self) -> bool {
+        matches!(self.motion, Motion::Body(_))
     }
 
     /// Return the laws of the motion.
     fn laws(&self) -> Vec<&TimeLaw> {
         match &self.motion {
-            Motion::Rigid { body, .. } => {
+            Motion::Body(body) => {
                 body.laws().into_iter().flat_map(|own| [&own.x, &own.y, &own.z, &own.angle]).collect()
             }
-            Motion::Still(_) => Vec::new(),
-            Motion::Root { laws, .. } => {
-                [&laws.x, &laws.y, &laws.z].into_iter().chain(laws.rotations.iter().map(|turn| &turn.angle)).collect()
-            }
+            Motion::Root { laws, .. } => laws.iter().flat_map(|laws| laws.all()).collect(),
         }
     }
-
-    /// Return the name in a sentence.
-    fn name(&self) -> String {
-        let rigid = match self.kind {
-            Kind::Beam if self.moves() => " (as a rigid beam)",
-            Kind::Wing if self.moves() => " (as a rigid wing)",
-            _ => "",
-        };
-        format!("`{}`{rigid}", self.key)
-    }
 }
 
-/// Return the outline of a line of that half thickness.
-fn strip(points: &[Point], half: f64) -> Outline {
-    let last = points.len() - 1;
-    let side = |sign: f64| {
-        (0..=last).map(move |i| {
-            let (a, b) = (points[i.saturating_sub(1)], points[(i + 1).min(last)]);
-            let length = f64::hypot(b[0] - a[0], b[1] - a[1]).max(f64::MIN_POSITIVE);
-            let normal = [(a[1] - b[1]) / length, (b[0] - a[0]) / length];
-            [points[i][0] + sign * half * normal[0], points[i][1] + sign * half * normal[1]]
-        })
+fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
+    let part = |key: String, rest, moves: bool, rigid: &str, thickness| {
+        let name = format!("`{key}`{}", if moves { rigid } else { "" });
+        Part { key, name, rest, moves, deforms: false, thickness }
     };
-    Outline::new(side(-1.0).chain(side(1.0).rev()))
-}
-
-fn parts<'a>(scene: &'a Scene, fluid: &Fluid) -> Vec<Part<'a>> {
-    let ends: Vec<_> = fluid.r#box.ends().collect();
-    let rigid = |Obstacle { key, body, .. }| Part {
-        key,
-        motion: Motion::Rigid { body: Box::new(body), ends: ends.clone() },
-        support: None,
-        kind: Kind::Body,
-        half: f64::INFINITY,
+    let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
+        part: part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", f64::INFINITY),
+        motion: Motion::Body(Box::new(body)),
     };
     let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
         let laws = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
             Some(RootMotion::Laws(laws)) => Some(laws),
             _ => None,
         };
-        let Line { key, nodes, half_thickness: half, support, .. } = line;
-        let form = if fluid.is_space() { Form::Cord(half) } else { Form::Strip(half) };
-        let root = nodes[0];
-        Part { key, motion: Motion::of_root(nodes, form, root, laws), support, kind: Kind::Beam, half }
+        let Line { key, nodes, chain, half_thickness, .. } = line;
+        let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", 2.0 * half_thickness);
+        Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
     let wing = scene.wing.as_ref().map(|wing| {
-        let mesh = wing.mesh.build();
-        let (form, laws) = (Form::Sheet(mesh.triangles), wing.root_motion.as_ref());
-        let motion = Motion::of_root(mesh.nodes, form, wing.pivot, laws);
-        Part { key: "wing".into(), motion, support: None, kind: Kind::Wing, half: f64::INFINITY }
+        let (mesh, laws) = (wing.mesh.build(), wing.root_motion.as_ref());
+        let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
+        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", f64::INFINITY);
+        Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
     });
-    places::obstacles(fluid).into_iter().map(rigid).chain(beams).chain(wing).collect()
+    fluid.obstacles().map(rigid).chain(beams).chain(wing).collect()
 }
 
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
-fn times(end: f64, parts: &[Part]) -> Vec<f64> {
+fn times(end: f64, parts: &[Moving]) -> Vec<f64> {
     let fastest = parts.iter().flat_map(|part| part.laws()).filter_map(TimeLaw::frequency).fold(0.0, f64::max);
     let coarse = end / TIMES as f64;
     let fine = if fastest > 0.0 { f64::min(1.0 / (TIMES_PER_PERIOD * fastest), coarse) } else { coarse };
@@ -217,137 +145,51 @@ fn times(end: f64, parts: &[Part]) -> Vec<f64> {
     times
 }
 
-/// Add where parts reach over the edge of the box, into walls or zones, or meet one another, each once.
-fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warning>) {
-    let start: Vec<_> = parts.iter().map(|part| part.at(0.0)).collect();
-    let known: Vec<Vec<String>> =
-        start.iter().zip(parts).map(|(outline, part)| told(fluid, outline, part, 0.0, None, found)).collect();
-    let lines = places::lines(scene);
-    let bodies = parts.iter().filter(|part| part.kind == Kind::Body).count();
-    for (j, (part, outline)) in parts.iter().zip(&start).enumerate() {
-        for (i, other) in parts[..j].iter().enumerate() {
-            let overlap = match (part.kind, other.kind) {
-                (Kind::Body, Kind::Body) => start[i].overlaps(outline, 0.0),
-                (Kind::Beam, Kind::Beam) => {
-                    let [one, two] = [i, j].map(|part| &lines[part - bodies]);
-                    one.overlaps(two)
-                }
-                _ => false, // Roots may be embedded
+/// Append the warnings about bodies on bodies and beams on beams at the start, where roots may be embedded.
+fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], axes: usize, found: &mut Vec<Warning>) {
+    let (lines, bodies) = (places::lines(scene), parts.iter().filter(|part| part.is_body()).count());
+    for j in 0..bodies + lines.len() {
+        for i in if j < bodies { 0..j } else { bodies..j } {
+            let touch = match j < bodies {
+                true => start[i].touched_by(&start[j], 0.0),
+                false => lines[i - bodies].overlaps(&lines[j - bodies]).then_some(Touch::Whole),
             };
-            if overlap {
-                let at = between(&start[i], outline);
-                found.push(warning(part, 0.0, format!("{} overlaps `{}` near {at}", part.name(), other.key)));
-            }
-        }
-    }
-    if !parts.iter().any(Part::moves) {
-        return;
-    }
-    let cell = fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min);
-    let depth = |i: usize, j: usize| (cell / 4.0).min(parts[i].half / 2.0).min(parts[j].half / 2.0);
-    let mut known = known;
-    let mut met: Vec<_> =
-        (0..parts.len()).map(|j| (0..j).map(|i| start[i].overlaps(&start[j], depth(i, j))).collect()).collect();
-    let met: &mut Vec<Vec<bool>> = &mut met;
-    for t in times(scene.time.end, parts).into_iter().skip(1) {
-        let now: Vec<_> = parts
-            .iter()
-            .zip(&start)
-            .map(|(part, still)| if part.moves() { part.at(t) } else { still.clone() })
-            .collect();
-        for (j, part) in parts.iter().enumerate() {
-            if part.moves() {
-                let more = told(fluid, &now[j], part, t, Some((&start[j], &known[j])), found);
-                known[j].extend(more);
-            }
-            for (i, other) in parts[..j].iter().enumerate() {
-                let apart = !met[j][i] && part.support != Some(i) && (part.moves() || other.moves());
-                if apart && now[i].overlaps(&now[j], depth(i, j)) {
-                    met[j][i] = true;
-                    let at = between(&now[i], &now[j]);
-                    let (name, other) = (part.name(), other.name());
-                    found.push(warning(part, t, format!("{name} meets {other} near {at}")));
-                }
+            if let Some(touch) = touch {
+                let (Part { key, name, .. }, other) = (&parts[j].part, &parts[i].part.key);
+                let at = shown(&start[j].place(&touch, &start[i])[..axes]);
+                let text = format!("{name} overlaps `{other}` near {at} at the start");
+                found.push(Warning { key: key.clone(), time: None, text });
             }
         }
     }
 }
 
-fn warning(part: &Part, t: f64, text: String) -> Warning {
-    let time = (t > 0.0).then_some(t);
-    let when = time.map_or("at the start".into(), |t| format!("at t = {} s", rounded(t)));
-    Warning { key: part.key.clone(), time, text: format!("{text} {when}") }
+/// Return the warnings about the motions that laws prescribe.
+fn motions(scene: &Scene, fluid: &Fluid, moving: Vec<Moving>, start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
+    let times = times(scene.time.end, &moving);
+    let (parts, motions): (Vec<_>, Vec<_>) = moving.into_iter().map(|Moving { part, motion }| (part, motion)).unzip();
+    let (is_moving, axes) = (parts.iter().any(|part| part.moves), ends.len());
+    let mut now: Vec<_> = start.iter().cloned().map(Some).collect();
+    let mut monitor = Monitor { fluid: Some(fluid), parts: &parts, memory: Default::default(), axes, is_run: false };
+    let mut found = monitor.check(0.0, &now);
+    for t in times.into_iter().skip(1).take_while(|_| is_moving) {
+        for ((shape, part), motion) in now.iter_mut().zip(&parts).zip(&motions).filter(|((_, part), _)| part.moves) {
+            *shape = Some(motion.shape_at(&part.rest, t, ends));
+        }
+        found.extend(monitor.check(t, &now));
+    }
+    found
 }
 
-/// Return the middle of the place that two outlines share.
-fn between(a: &Figure, b: &Figure) -> String {
-    let pairs = a.frame().iter().zip(b.frame());
-    shown(&pairs.map(|(a, b)| (a[0].max(b[0]) + a[1].min(b[1])) / 2.0).collect::<Vec<_>>())
-}
-
-/// Add what is to be told of the place of a part alone at time `t` (s), and return the names of it; what a part did at
-/// the start, or is known, is left out.
-fn told(
-    fluid: &Fluid,
-    figure: &Figure,
-    part: &Part,
-    t: f64,
-    before: Option<(&Figure, &Vec<String>)>,
-    found: &mut Vec<Warning>,
-) -> Vec<String> {
-    let cell = fluid.r#box.spacing();
-    let mut names = Vec::new();
-    let mut tell = |name: &str, text: String| {
-        if !before.is_some_and(|(_, known)| known.iter().any(|other| other == name)) {
-            names.push(name.to_string());
-            found.push(warning(part, t, text));
-        }
-    };
-    let (name, frame) = (part.name(), figure.frame());
-    for (axis, bounds) in fluid.r#box.ends().enumerate() {
-        let over = beyond(frame[axis][0], bounds).max(beyond(frame[axis][1], bounds));
-        if over > 1e-9 * (bounds[1] - bounds[0]) {
-            let axis = AXES[axis];
-            tell(
-                "edge",
-                format!(
-                    "{name} reaches {} m over the edge of the box along {axis} and comes in at the other side",
-                    rounded(over)
-                ),
-            );
-        }
-    }
-    for (axis, walls) in places::walls(fluid) {
-        let depth = |figure: &Figure| figure.frame()[axis].iter().map(|&at| beyond(at, walls)).fold(0.0, f64::max);
-        let (now, start) = (depth(figure), before.map_or(0.0, |(start, _)| depth(start)));
-        // A beam may be embedded in a wall.
-        if now > start + cell[axis] && (before.is_some() || part.kind == Kind::Body) {
-            tell("wall", format!("{name} reaches {} m into a wall of the channel", rounded(now)));
-        }
-    }
-    if before.is_some()
-        && let Some(reason) = places::blocked(fluid, figure)
-    {
-        tell("stream", format!("{name} {reason}"));
-    }
-    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
-    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
-    for (zone, [low, high]) in inflow.into_iter().chain(sponge) {
-        let shared = frame[0][1].min(high) - frame[0][0].max(low);
-        if shared > cell[0] * (1.0 + 1e-9) {
-            tell(zone, format!("{name} reaches {} m into the {zone}, x [{low}, {high}],", rounded(shared)));
-        }
-    }
-    names
-}
-
-/// Return what is to be told of probes that a body or a wall covers at the start.
-fn probes(fluid: &Fluid, parts: &[Part]) -> Vec<Warning> {
-    let rigid: Vec<_> =
-        parts.iter().filter(|part| part.kind == Kind::Body).map(|part| (&part.key, part.at(0.0))).collect();
+/// Return the warnings about probes that a body or a wall covers at the start.
+fn probes(fluid: &Fluid, parts: &[Moving], start: &[Shape]) -> Vec<Warning> {
     let walls = places::walls(fluid);
+    // A probe may lie on a surface.
+    let deep = 1e-9 * fluid.r#box.spacing()[0];
     let covered = |p: &[f64]| {
-        let body = rigid.iter().find(|(_, figure)| figure.contains(p)).map(|(key, _)| format!("`{key}`"));
+        let at = [p[0], p[1], p.get(2).copied().unwrap_or(0.0)];
+        let body = parts.iter().zip(start).find(|(_, shape)| shape.distance(at) < -deep);
+        let body = body.map(|(own, _)| format!("`{}`", own.part.key));
         let in_wall = walls.iter().any(|(axis, ends)| p.get(*axis).is_some_and(|at| beyond(*at, *ends) > 0.0));
         body.or_else(|| in_wall.then(|| "a wall of the channel".into()))
     };
@@ -360,7 +202,7 @@ fn probes(fluid: &Fluid, parts: &[Part]) -> Vec<Warning> {
     found.collect()
 }
 
-/// Return what is to be told of a sponge that brakes or drives the stream.
+/// Return the warning about a sponge that brakes or drives the stream.
 fn other_sponge(scene: &Scene, fluid: &Fluid) -> Option<Warning> {
     let sponge = &fluid.sponge.as_ref()?.mean_velocity;
     let (key, stream) = match (&fluid.inflow, &fluid.mean_flow) {
@@ -384,8 +226,8 @@ fn other_sponge(scene: &Scene, fluid: &Fluid) -> Option<Warning> {
     })
 }
 
-/// Return what is to be told of a stream that meets its own wake. An inflow renews it, a sponge what passes along x.
-fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
+/// Return the warning about a stream that meets its own wake. An inflow renews it, a sponge what passes along x.
+fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Moving]) -> Option<Warning> {
     if fluid.inflow.is_some() || parts.is_empty() {
         return None;
     }
@@ -406,7 +248,7 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
             }
             if f64::abs(way) >= high - low {
                 let (key, time) = ("fluid.sponge".to_string(), (i + 1) as f64 * h);
-                let name = parts[0].name();
+                let name = &parts[0].part.name;
                 let text = format!(
                     "the stream along {} passes the periodic box without a `sponge`: {name} is in its own wake from \
                      t = {:.3} s on, and forces are off by tens of per cent",
@@ -420,35 +262,38 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
     None
 }
 
-/// Return what is to be told of a scene whose wake stays symmetric.
-fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>) -> Option<Warning> {
+/// Return the warning about a scene whose wake stays symmetric.
+fn symmetry(
+    scene: &Scene,
+    fluid: &Fluid,
+    parts: &[Moving],
+    shapes: &[Shape],
+    reynolds: Option<f64>,
+) -> Option<Warning> {
     let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()))
         || scene.wing.as_ref().is_some_and(|wing| wing.root_motion.is_some());
     if parts.is_empty() || driven || fluid.disturbance.is_some() {
         return None;
     }
-    let (ends, figures): (Vec<_>, Vec<_>) =
-        (fluid.r#box.ends().collect(), parts.iter().map(|part| part.at(0.0)).collect());
-    let fills = |axis: usize| {
-        let [low, high]: [f64; 2] = ends[axis];
-        figures.iter().any(|figure| figure.frame()[axis][1] - figure.frame()[axis][0] >= (high - low) * (1.0 - 1e-9))
-    };
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    let extent = |shape: &Shape, axis: usize| shape.bounds()[axis][1] - shape.bounds()[axis][0];
+    let fills =
+        |axis: usize| shapes.iter().any(|own| extent(own, axis) >= (ends[axis][1] - ends[axis][0]) * (1.0 - 1e-9));
     let streams =
         |axis: usize| places::streams(fluid)[axis] || fluid.initial_velocity.get(axis).is_some_and(|u| *u != 0.0);
     let axis = (0..ends.len()).find(|&axis| streams(axis))?;
     let mut across: Vec<_> = (0..ends.len()).filter(|&other| other != axis && !fills(other)).collect();
     // What is flat is moved and sheds across itself, and a rigid plate along the stream does neither.
-    let is_flat = |axis: usize| figures.iter().all(|figure| figure.frame()[axis][0] == figure.frame()[axis][1]);
+    let is_flat = |axis: usize| shapes.iter().all(|own| extent(own, axis) == 0.0);
     if across.iter().any(|&axis| is_flat(axis)) {
-        across.retain(|&axis| is_flat(axis) && parts.iter().any(|part| part.kind != Kind::Body));
+        across.retain(|&axis| is_flat(axis) && parts.iter().any(|part| !part.is_body()));
     }
-    let is_round = across.len() == 2 && figures.iter().all(|figure| matches!(figure, Figure::Solid(_)));
+    let is_round = across.len() == 2 && shapes.iter().all(|own| matches!(own, Shape::Solid(_)));
     // A wing has no length among the dimensionless numbers.
     let of_wing = || {
-        let frame = figures.last()?.frame();
         let mean = fluid.mean_flow.as_ref().map_or(0.0, |mean| mean.laws()[axis].1.largest());
         let speed = fluid.initial_velocity.get(axis).copied().unwrap_or(0.0).abs().max(mean);
-        Some(speed * (frame[axis][1] - frame[axis][0]) / fluid.kinematic_viscosity)
+        Some(speed * extent(shapes.last()?, axis) / fluid.kinematic_viscosity)
     };
     let reynolds = if scene.wing.is_some() { of_wing() } else { reynolds };
     if across.is_empty() || reynolds.is_none_or(|re| re < if is_round { SHEDDING_ROUND } else { SHEDDING }) {
@@ -456,7 +301,7 @@ fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>)
     }
     let middles: Option<Vec<_>> = across
         .iter()
-        .map(|&axis| if streams(axis) { None } else { plane_of_symmetry(scene, fluid, parts, &figures, axis) })
+        .map(|&axis| if streams(axis) { None } else { plane_of_symmetry(scene, fluid, parts, shapes, axis) })
         .collect();
     let planes: Vec<_> =
         middles?.iter().zip(&across).map(|(at, &axis)| format!("{} = {}", AXES[axis], rounded(*at))).collect();
@@ -479,9 +324,9 @@ fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>)
 }
 
 /// Return the middle of parts, their forces and the grid if they are mirror images along `across`.
-fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], figures: &[Figure], across: usize) -> Option<f64> {
+fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[Shape], across: usize) -> Option<f64> {
     let mut laws = parts.iter().flat_map(|part| match &part.motion {
-        Motion::Rigid { body, .. } => body
+        Motion::Body(body) => body
             .laws()
             .into_iter()
             .flat_map(|motion| [[&motion.x, &motion.y, &motion.z][across], &motion.angle])
@@ -497,20 +342,20 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], figures: &[Fi
     if moved || pulls.any(|g| g != 0.0) || scene.wing.as_ref().is_some_and(|wing| wing.gravity[across] != 0.0) {
         return None;
     }
-    let middles = figures.iter().map(|figure| figure.frame()[across].iter().sum::<f64>() / 2.0);
-    let middle = middles.sum::<f64>() / figures.len() as f64;
-    let sides = figures.iter().flat_map(|figure| figure.frame().iter().map(|[low, high]| high - low));
-    let close = 1e-9 * sides.fold(0.0, f64::max);
+    let middles = shapes.iter().map(|shape| shape.bounds()[across].iter().sum::<f64>() / 2.0);
+    let middle = middles.sum::<f64>() / shapes.len() as f64;
+    let extents = shapes.iter().flat_map(|shape| shape.bounds().map(|[low, high]| high - low));
+    let close = 1e-9 * extents.fold(0.0, f64::max);
     let walls = places::walls(fluid).into_iter().find(|(axis, _)| *axis == across);
     let off_walls = walls.is_some_and(|(_, [low, high])| ((low + high) / 2.0 - middle).abs() > close);
     // The grid is symmetric at its lines and halfway between them.
     let [low, _] = fluid.r#box.ends().nth(across)?;
     let halves = 2.0 * (middle - low) / fluid.r#box.spacing()[across];
-    let is_symmetric = || figures.iter().all(|figure| figure.is_mirrored(figures, across, middle, close));
+    let is_symmetric = || shapes.iter().all(|shape| shape.is_mirrored(shapes, across, middle, close));
     (!off_walls && (halves - halves.round()).abs() <= 1e-6 && is_symmetric()).then_some(middle)
 }
 
-/// Return what is to be told of a rod that is too heavy for its stiffness.
+/// Return the warning about a rod that is too heavy for its stiffness.
 fn weight(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     let rod = own.rod?;
     let (_, direction) = scene.beam_root(own.beam);

@@ -1,11 +1,11 @@
 //! An elastic wing: veins and a membrane between them.
 
 use mesh::{Chain, Mesh};
+use method::Scheme;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults, list};
-use crate::rod::RodScheme;
 use crate::root::RootLaws;
 
 /// Most nodes of a wing.
@@ -47,7 +47,7 @@ pub struct Wing {
     pub relaxation_time: f64,
     /// Time scheme.
     #[serde(default)]
-    pub scheme: RodScheme,
+    pub scheme: Scheme,
     /// Largest step of the wing inside a communication step, s; absent: the communication step.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]

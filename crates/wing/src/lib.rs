@@ -12,7 +12,6 @@
 
 #![forbid(unsafe_code)]
 
-mod crossings;
 mod elastic;
 mod error;
 mod face;

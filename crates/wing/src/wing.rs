@@ -1,7 +1,8 @@
 //! The wing: parameters, state, loads and results.
 
+use ::geometry::Crossings;
+
 use crate::Error;
-use crate::crossings::Crossings;
 use crate::elastic::{BadShape, Elastic};
 use crate::geometry::{Geometry, Vector};
 use crate::loads::Loads;
@@ -223,7 +224,8 @@ impl Wing {
 
     /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
     pub fn crossings(&mut self) -> usize {
-        self.crossings.count(&self.elastic.faces, &self.state.positions)
+        let (faces, x) = (&self.elastic.faces, &self.state.positions);
+        self.crossings.count(|k| faces[k].nodes, |node| x[node].into())
     }
 
     /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base

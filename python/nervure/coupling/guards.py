@@ -13,8 +13,9 @@ from nervure.units.fmu import Unit
 SEGMENT = 0.25
 """Least length of a segment, in thicknesses: closer stations feel each other's load a step late."""
 
-TOLD = 0.1
-"""Difference of the powers on the rod and from the fluid by the exchanged power that is told of: 0.05 in FSI3."""
+WARN_RATIO = 0.1
+"""Difference of the powers on the rod and from the fluid, by the exchanged power, above which the run warns. FSI3 has
+0.05."""
 
 PENALIZED = 2.0
 """Longest step by C_eta under the pressure jump without iteration, for rods lighter than the added mass: of one with
@@ -88,7 +89,7 @@ class EnergyGuard:
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
-        self.told = False
+        self.warned = False
         self.balance = Balance()
 
     def check(self, t: float, h: float) -> None:
@@ -113,31 +114,31 @@ class EnergyGuard:
                 "(the limits are in `coupling.guards`)"
             )
 
-    def look(self, t: float, h: float, at_end: bool = False) -> Iterator[str]:
+    def warn(self, t: float, h: float, at_end: bool = False) -> Iterator[str]:
         """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
         on, or at its end."""
         window, steps = self.guards.window_steps, int(self.balance.steps)
-        if self.told or self.guards.largest_imbalance is None or not self.momentum:
+        if self.warned or self.guards.largest_imbalance is None or not self.momentum:
             return
         last = (steps - 1) % window + 1 if steps else 0  # Steps since the end of a window, or in the whole one
         fading = (window, self.balance.difference, self.balance.exchanged)
         own = (last if steps > window else round(RECENT * steps), *self.balance[-2:])
         judged = [fading] if steps >= window else []
         # The last quarter of a short run is too few steps to judge by alone.
-        if last == window or (at_end and last >= SOON and (steps > window or self._is_told(*fading))):
+        if last == window or (at_end and last >= SOON and (steps > window or self._exceeds(*fading))):
             judged.append(own)
         for count, difference, exchanged in judged:
-            if self._is_told(count, difference, exchanged):
-                self.told = True
+            if self._exceeds(count, difference, exchanged):
+                self.warned = True
                 yield (
                     f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}; "
                     f"{self.advice(h)}"
                 )
                 return
 
-    def _is_told(self, count: int, difference: float, exchanged: float) -> bool:
-        """Return whether sums over `count` steps are told of."""
-        return difference > TOLD * exchanged and exchanged > count * self.guards.min_power
+    def _exceeds(self, count: int, difference: float, exchanged: float) -> bool:
+        """Return whether the run warns of sums over `count` steps."""
+        return difference > WARN_RATIO * exchanged and exchanged > count * self.guards.min_power
 
     def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""

@@ -13,7 +13,7 @@ from nervure.scene.types import (
 )
 
 POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
-ROUND = 90  # Corners of a round outline
+ROUND = 64  # Corners of a round outline, as in crates/geometry
 
 
 def circle(radius: float) -> np.ndarray:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from nervure.scene.outline import circle
 from nervure.scene.types import (
     Body,
     BodyMotion,
@@ -18,7 +19,6 @@ from nervure.scene.types import (
 )
 
 POSE = ("x", "y", "z", "angle")  # Outputs of the fluid for a rigid body
-ROUND = 90  # Edges of a disk
 Z = (0.0, 0.0, 1.0)
 
 
@@ -72,10 +72,9 @@ def surface(body: Body) -> tuple[np.ndarray, np.ndarray] | None:
             x, z = plate.length / 2, (plate.width or 0.0) / 2
             return np.array([(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]), np.array([(0, 1, 2), (0, 2, 3)])
         case ShapeDisk(disk=disk):
-            angle = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-            rim = disk.radius * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=-1)
-            first = np.arange(1, ROUND + 1)
-            return np.vstack([np.zeros(3), rim]), np.stack([0 * first, first, first % ROUND + 1], axis=-1)
+            rim = np.insert(circle(disk.radius), 1, 0.0, axis=1)
+            first = np.arange(1, len(rim) + 1)
+            return np.vstack([np.zeros(3), rim]), np.stack([0 * first, first, first % len(rim) + 1], axis=-1)
         case ShapeTriangulation(triangulation=own):
             return np.array(own.nodes), np.array(own.triangles)
     return None

@@ -25,7 +25,7 @@ from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.describe import unit_label
 
-FORMAT = 9
+FORMAT = 10
 DIGEST = "digest"  # Array with the digest of the other arrays
 EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need
 About = dict[str, Any]  # Part of a checkpoint in JSON
@@ -118,7 +118,7 @@ def restore(session: Session, kept: Kept) -> None:
     session.scheme.remember(memory)
     session.recorder.resume(arrays["series"])
     session.resume_at(about["done"], about["wall"])
-    session.warnings, session.places.known = about["warnings"], about["places"]
+    session.warnings, session.places.memory = about["warnings"], about["places"]
 
 
 class Checkpoint(Observer):
@@ -152,7 +152,7 @@ class Checkpoint(Observer):
         session = self.session
         arrays = {"series": session.recorder.table[: session.recorder.rows]}
         about: About = self.about | {"guids": {}, "seconds": {}, "done": session.steps, "wall": session.wall}
-        about |= {"warnings": session.warnings, "places": session.places.known}
+        about |= {"warnings": session.warnings, "places": session.places.memory}
         for name, unit in session.units.items():
             arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{name}_{array}": getattr(unit, array) for array in EXCHANGED}

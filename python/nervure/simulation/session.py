@@ -14,16 +14,16 @@ from nervure.scene.facts import Facts
 from nervure.simulation import results
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
+from nervure.simulation.oscillations import GridOscillationMonitor
 from nervure.simulation.places import Places
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
-from nervure.simulation.waves import Waves
 from nervure.units import package
 from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
 
-LOOKS, LOOK_EVERY = 100, 40  # Least looks at places in a run, and most steps between two
+CHECKS, CHECK_EVERY = 100, 40  # Least checks of places in a run, and most steps between two
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
 
@@ -70,10 +70,10 @@ class Session(TimeLoop):
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self._open = stack.pop_all()
         self.warnings: list[str] = []
-        """What was told of places during the run."""
+        """Warnings of the run so far."""
         self.places = Places(self.facts, self.units)
         fluid = self.units.get("fluid")
-        self.waves = Waves(scene.fluid, fluid, grid) if scene.fluid and fluid else None
+        self.oscillations = GridOscillationMonitor(scene.fluid, fluid, grid) if scene.fluid and fluid else None
         self._limit_guards()
 
     def _limit_guards(self) -> None:
@@ -93,11 +93,11 @@ class Session(TimeLoop):
                 cell, stepping.max_cfl, mask["c_eta"], stepping.max_step, thickness, line, self.facts.fluid_steps
             )
 
-    def _look(self) -> None:
-        self.warnings += self.places.look(self.time)
+    def _check(self) -> None:
+        self.warnings += self.places.check(self.time)
         for guard in self.scheme.guards:
             at_end = self.steps == self.grid.steps
-            self.warnings += guard.look(self.time, self.grid.communication_step, at_end)
+            self.warnings += guard.warn(self.time, self.grid.communication_step, at_end)
 
     @classmethod
     def packed(
@@ -128,14 +128,14 @@ class Session(TimeLoop):
     def start(self) -> None:
         super().start()
         check_fit(self.scene, self.units, self.foreign)
-        self._look()
+        self._check()
 
     def step(self) -> None:
         super().step()
-        if self.steps % max(1, min(self.grid.steps // LOOKS, LOOK_EVERY)) == 0 or self.steps == self.grid.steps:
-            self._look()
-        if self.waves:
-            self.warnings += self.waves.look(self.steps, self.time, self.warnings)
+        if self.steps % max(1, min(self.grid.steps // CHECKS, CHECK_EVERY)) == 0 or self.steps == self.grid.steps:
+            self._check()
+        if self.oscillations:
+            self.warnings += self.oscillations.check(self.steps, self.time, self.warnings)
 
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""

@@ -1,4 +1,4 @@
-"""What a run tells of waves as short as the grid, which extrapolated advection lets grow where steps are long.
+"""Detect grid-scale oscillations, which extrapolated advection amplifies at large time steps.
 
 In a stream U a wave of the wave number k grows with the rate 3/4 (k U)⁴ dt³ by SBDF2, the first term of its
 amplification factor, and decays with ν k². Results hardly show it: such waves cancel in forces.
@@ -16,28 +16,28 @@ from nervure.units.fmu import Unit
 LEFT = 0.8  # Of the highest wave number: above, the filter damps
 GROWTH = {"sbdf2": 3 / 4, "rk2": 1 / 8}  # Of a wave per (k U)⁴ dt³
 SHORT, LONGER = (0.7, 0.85), (0.5, 0.65)  # Bands of waves, parts of the highest wave number; in flows the first is less
-LEAST = 0.005  # Part of the enstrophy in short waves above which it is told of
-LOOKS = 8  # In a run
+LEAST = 0.005  # Part of the enstrophy in short waves above which the run warns
+CHECKS = 8  # In a run
 
 
-class Waves:
-    """Looks at the vorticity about z, in space at that in the middle of the box, for more waves of two to three cells
+class GridOscillationMonitor:
+    """Checks whether the vorticity about z, in space in the middle of the box, has more waves of two to three cells
     than of three to four."""
 
     def __init__(self, flow: Fluid, fluid: Unit, grid: TimeGrid):
         self.flow, self.fluid = flow, fluid
         self.longest = min(grid.communication_step, flow.time_stepping.max_step)
         """Longest step of the fluid, s."""
-        self.looks = {round(grid.steps * i / LOOKS) for i in range(1, LOOKS + 1)}
-        """Steps of the run after which it looks."""
+        self.checks = {round(grid.steps * i / CHECKS) for i in range(1, CHECKS + 1)}
+        """Steps of the run after which it checks."""
         self.seen: set[str] = set()
-        """Axes along which the last look found some; the start of a flow may have them for a while."""
+        """Axes along which the last check found some; the start of a flow may have them for a while."""
 
-    def look(self, step: int, time: float, told: Sequence[str]) -> list[str]:
-        """Return what two looks in turn have found, the second after `step`, and was not `told` before."""
-        if step not in self.looks:
+    def check(self, step: int, time: float, warned: Sequence[str]) -> list[str]:
+        """Return warnings about what two checks in turn have found, the second after `step`, and no one `warned` of."""
+        if step not in self.checks:
             return []
-        known = {text.partition(":")[0] for text in told}
+        known = {text.partition(":")[0] for text in warned}
         found = {axis: text for axis, text in self._found(time) if text.partition(":")[0] not in known}
         again = [text for axis, text in found.items() if axis in self.seen]
         self.seen = set(found)

@@ -1,73 +1,80 @@
-//! The numerical method of the fluid: drag of solids, precision, filter and time stepping.
+//! Methods of the fluid.
 
+#[cfg(feature = "scene")]
 use schemars::JsonSchema;
+#[cfg(feature = "scene")]
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Check, Faults};
+/// Default length over which the drag of a log-linear mask grows by e, cells.
+const DECAY_LENGTH_CELLS: f64 = 0.25;
 
+#[cfg(feature = "scene")]
 fn a_quarter() -> f64 {
-    0.25
+    DECAY_LENGTH_CELLS
 }
 
+#[cfg(feature = "scene")]
 fn yes() -> bool {
     true
 }
 
 /// Drag rate of a solid as a function of the signed distance to its surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "scene",
+    derive(Serialize, Deserialize, JsonSchema),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Mask {
     /// chi = 1 inside and 0 outside (thesis ch. 3). The wall is shifted by √(ν C_eta), so that no-slip holds at the
     /// surface.
     Sharp {
         /// Relaxation time C_eta, s.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", schemars(extend("exclusiveMinimum" = 0.0)))]
         c_eta: f64,
         /// Whether the wall is shifted; otherwise the mask is the one of the thesis.
-        #[serde(default = "yes")]
+        #[cfg_attr(feature = "scene", serde(default = "yes"))]
         displacement_corrected: bool,
     },
     /// Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds at the surface (Hester, Vasil &
     /// Burns 2021).
     Cosine {
         /// Relaxation time C_eta, s.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", schemars(extend("exclusiveMinimum" = 0.0)))]
         c_eta: f64,
         /// Half the width of the layer, grid cells.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", schemars(extend("exclusiveMinimum" = 0.0)))]
         half_width: f64,
         /// Whether the layer is shifted; otherwise the mask is the one of the thesis.
-        #[serde(default = "yes")]
+        #[cfg_attr(feature = "scene", serde(default = "yes"))]
         displacement_corrected: bool,
     },
     /// Drag rate that grows exponentially with depth. No-slip then holds at the surface wherever the grid lies.
     LogLinear {
         /// Smallest relaxation time, s, reached inside the solid.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", schemars(extend("exclusiveMinimum" = 0.0)))]
         c_eta: f64,
         /// Depth over which the drag rate grows by a factor e, grid cells. A quarter is the shortest that the grid
         /// resolves: the wall keeps its place to 0.03 cells wherever the grid lies.
-        #[serde(default = "a_quarter")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", serde(default = "a_quarter"), schemars(extend("exclusiveMinimum" = 0.0)))]
         decay_length_cells: f64,
         /// Depth at which the core of a still body begins, grid cells. In the core the drag rate grows three times as
         /// fast, up to 1/C_eta; above a deep core it stays at the value that the grid resolves. Absent: one and a half
         /// decay lengths, three without a wall correction. With 2 the forces depend much less on C_eta, but a body of
         /// fewer than 25 cells across is porous. The depth is at most a fifth of a body's thickness. A beam or a moving
         /// body has a core only where it is thinner than about four cells.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[cfg_attr(feature = "scene", serde(default), schemars(extend("exclusiveMinimum" = 0.0)))]
         core_depth: Option<f64>,
         /// Velocity to which the bodies draw the fluid at their surface.
-        #[serde(default)]
+        #[cfg_attr(feature = "scene", serde(default))]
         wall_correction: WallCorrection,
     },
 }
 
 /// Velocity to which a body draws the fluid at its surface. It decides which flows along a wall are right to the order
 /// of a cell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(rename_all = "snake_case"))]
 pub enum WallCorrection {
     /// Velocity of the body. No-slip holds at the surface in linear shear, but the smooth drag lets a flux through.
     None,
@@ -80,8 +87,8 @@ pub enum WallCorrection {
 }
 
 /// Precision of the fields and transforms. Bodies, forces and loads are always in double precision.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(rename_all = "snake_case"))]
 pub enum Precision {
     /// 16 digits.
     #[default]
@@ -92,8 +99,8 @@ pub enum Precision {
 }
 
 /// Filter of aliasing errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(rename_all = "snake_case"))]
 pub enum Filter {
     /// exp(−36 (k/k_max)³⁶) (Hou & Li 2007).
     #[default]
@@ -104,30 +111,9 @@ pub enum Filter {
     None,
 }
 
-/// Steps of the fluid inside a communication step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(extend(
-    "if" = { "properties": { "scheme": { "const": TimeScheme::Rk2 } }, "required": ["scheme"] },
-    "then" = { "properties": { "max_cfl": { "maximum": TimeScheme::Rk2.largest_cfl() } } },
-    "else" = { "properties": { "max_cfl": { "maximum": TimeScheme::Sbdf2.largest_cfl() } } }
-))]
-pub struct TimeStepping {
-    /// Largest step, s.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub max_step: f64,
-    /// Largest CFL number max(|u|/dx + |v|/dy) dt, at most 0.4 with `sbdf2` and 0.6 with `rk2`: above, advection is
-    /// unstable. A step that would exceed it is divided.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub max_cfl: f64,
-    /// Time scheme.
-    #[serde(default)]
-    pub scheme: TimeScheme,
-}
-
 /// Time scheme of the fluid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(rename_all = "snake_case"))]
 pub enum TimeScheme {
     /// Two-step backward differences with implicit drag and viscosity: only advection limits the step.
     #[default]
@@ -148,7 +134,8 @@ impl TimeScheme {
         }
     }
 
-    fn name(self) -> &'static str {
+    /// Return the name in scene files.
+    pub fn name(self) -> &'static str {
         match self {
             Self::Sbdf2 => "sbdf2",
             Self::Rk2 => "rk2",
@@ -157,8 +144,16 @@ impl TimeScheme {
 }
 
 impl Precision {
+    /// Return the size of a number, bytes.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Double => size_of::<f64>(),
+            Self::Single => size_of::<f32>(),
+        }
+    }
+
     /// Return the fewest grid points along x: the number of columns that are transformed together.
-    pub(crate) fn fewest_columns(self) -> usize {
+    pub fn fewest_columns(self) -> usize {
         match self {
             Self::Double => 8,
             Self::Single => 16,
@@ -167,6 +162,12 @@ impl Precision {
 }
 
 impl Mask {
+    /// A log-linear mask with the default decay length and the correction of curvature.
+    pub fn log_linear(c_eta: f64) -> Self {
+        let wall_correction = WallCorrection::default();
+        Self::LogLinear { c_eta, decay_length_cells: DECAY_LENGTH_CELLS, core_depth: None, wall_correction }
+    }
+
     /// Return the relaxation time C_eta deep inside the solid, s.
     pub fn c_eta(&self) -> f64 {
         match *self {
@@ -175,37 +176,30 @@ impl Mask {
     }
 }
 
-/// Largest thickness of a wall's layer by the cells of the shorter side of the box.
-const THICKEST_LAYER: f64 = 0.25;
-
-impl Mask {
-    /// Check that the layer of the wall fits a box of so many `cells`; the mask is the value of `key`.
-    pub(crate) fn check_at(&self, key: &str, cells: &[usize], faults: &mut Faults) {
-        let shortest = cells.iter().copied().min().unwrap_or_default();
-        let largest = THICKEST_LAYER * shortest as f64;
-        let lengths = match *self {
-            Self::Sharp { .. } => [None; 2],
-            Self::Cosine { half_width, .. } => [Some(("cosine.half_width", half_width)), None],
-            Self::LogLinear { decay_length_cells, core_depth, .. } => [
-                Some(("log_linear.decay_length_cells", decay_length_cells)),
-                core_depth.map(|d| ("log_linear.core_depth", d)),
-            ],
-        };
-        for (name, length) in lengths.into_iter().flatten() {
-            faults.require(length <= largest, &format!("{key}.{name}"), length, || {
-                let all = cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
-                format!("it is a number of cells, and the box has {all}: it must be <= {largest}")
-            });
-        }
-    }
+/// How a beam meets the fluid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(rename_all = "snake_case"))]
+pub enum Surface {
+    /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.5 cells,
+    /// in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and the rod may have any mass,
+    /// with one exchange per step.
+    Line,
+    /// The mask of the band around the beam, which wants four cells of thickness or more.
+    #[default]
+    Mask,
 }
 
-impl Check for TimeStepping {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        let Self { max_cfl, scheme, .. } = self;
-        let largest = scheme.largest_cfl();
-        faults.require(*max_cfl <= largest, &format!("{key}.max_cfl"), max_cfl, || {
-            format!("advection with the scheme {} is unstable above {largest}", scheme.name())
-        });
-    }
+/// Spring and damper in parallel, per metre of depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(deny_unknown_fields))]
+pub struct Support {
+    /// Stiffness, N/m, about the pivot N m/rad.
+    #[cfg_attr(feature = "scene", serde(default), schemars(range(min = 0.0)))]
+    pub stiffness: f64,
+    /// Damping, N s/m, about the pivot N m s/rad.
+    #[cfg_attr(feature = "scene", serde(default), schemars(range(min = 0.0)))]
+    pub damping: f64,
+    /// Displacement, m, or angle, rad, at which the spring has no force. The body starts at 0.
+    #[cfg_attr(feature = "scene", serde(default))]
+    pub rest: f64,
 }

@@ -1,0 +1,37 @@
+//! Bounding boxes.
+
+/// Least and largest place along each axis, m.
+pub type Bounds<const D: usize> = [[f64; 2]; D];
+
+/// Return how far `at` lies outside `[low, high]`, m.
+pub fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
+    (low - at).max(at - high).max(0.0)
+}
+
+/// Return the bounding box of points.
+pub(crate) fn around<'a, const D: usize>(points: impl IntoIterator<Item = &'a [f64; D]>) -> Bounds<D> {
+    points.into_iter().fold([[f64::INFINITY, f64::NEG_INFINITY]; D], |bounds, p| {
+        std::array::from_fn(|d| [bounds[d][0].min(p[d]), bounds[d][1].max(p[d])])
+    })
+}
+
+/// Return a bounding box that is larger by `by` (m) on each side.
+pub(crate) fn grown<const D: usize>(bounds: Bounds<D>, by: f64) -> Bounds<D> {
+    bounds.map(|[low, high]| [low - by, high + by])
+}
+
+/// Return whether two bounding boxes are at most `gap` (m) apart along each axis.
+pub(crate) fn are_near<const D: usize>(a: &Bounds<D>, b: &Bounds<D>, gap: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| a[0] <= b[1] + gap && b[0] <= a[1] + gap)
+}
+
+/// Return what two bounding boxes share; where they are apart along an axis, the place between them there.
+pub(crate) fn shared<const D: usize>(a: &Bounds<D>, b: &Bounds<D>) -> Bounds<D> {
+    std::array::from_fn(|d| [a[d][0].max(b[d][0]), a[d][1].min(b[d][1])])
+}
+
+/// Return the middles of `n` parts of a bounding box along each axis.
+pub(crate) fn grid<const D: usize>(bounds: Bounds<D>, n: usize) -> impl Iterator<Item = [f64; D]> {
+    let at = move |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
+    (0..n.pow(D as u32)).map(move |k| std::array::from_fn(|d| at(bounds[d], k / n.pow((D - 1 - d) as u32) % n)))
+}

@@ -1,0 +1,71 @@
+//! Triangles of one surface that cross each other.
+
+use crate::bounds::{Bounds, around};
+use crate::vector::{between, cross, dot, minus};
+
+/// Search along the x axis, with its scratch.
+#[derive(Debug)]
+pub struct Crossings {
+    /// Bounding box of each triangle.
+    bounds: Vec<Bounds<3>>,
+    /// Triangles by their least x.
+    order: Vec<usize>,
+}
+
+impl Crossings {
+    /// Prepare the search among so many triangles.
+    pub fn new(triangles: usize) -> Self {
+        Self { bounds: vec![[[0.0; 2]; 3]; triangles], order: (0..triangles).collect() }
+    }
+
+    /// Return the number of pairs of triangles without a common node that cross, from the nodes of each triangle and the
+    /// position of each node, m.
+    pub fn count(&mut self, triangle: impl Fn(usize) -> [usize; 3], position: impl Fn(usize) -> [f64; 3]) -> usize {
+        let Self { bounds, order } = self;
+        for (k, own) in bounds.iter_mut().enumerate() {
+            *own = around(&triangle(k).map(&position));
+        }
+        order.sort_unstable_by(|&i, &j| bounds[i][0][0].total_cmp(&bounds[j][0][0]));
+        let mut found = 0;
+        for (place, &i) in order.iter().enumerate() {
+            for &j in order[place + 1..].iter().take_while(|&&j| bounds[j][0][0] <= bounds[i][0][1]) {
+                let apart = (1..3).any(|d| bounds[j][d][0] > bounds[i][d][1] || bounds[j][d][1] < bounds[i][d][0]);
+                let [own, other] = [triangle(i), triangle(j)];
+                if !apart && !own.iter().any(|k| other.contains(k)) {
+                    let [own, other] = [own, other].map(|nodes| nodes.map(&position));
+                    found += usize::from(pierces(own, other) || pierces(other, own));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Return whether an edge of one triangle passes through another; edges in its plane do not.
+fn pierces(edges: [[f64; 3]; 3], [a, b, c]: [[f64; 3]; 3]) -> bool {
+    let normal = cross(minus(b, a), minus(c, a));
+    let heights = edges.map(|p| dot(normal, minus(p, a)));
+    (0..3).any(|i| {
+        let (h, next) = (heights[i], heights[(i + 1) % 3]);
+        if h * next >= 0.0 {
+            return false;
+        }
+        let through = between(edges[i], edges[(i + 1) % 3], h / (h - next));
+        [(a, b), (b, c), (c, a)].iter().all(|(p, q)| dot(cross(minus(*q, *p), minus(through, *p)), normal) >= 0.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_that_pass_through_each_other_are_counted() {
+        let nodes = |z: f64| {
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, z], [0.3, 0.2, z + 1.0], [0.2, 0.3, z + 1.0]]
+        };
+        let count =
+            |z: f64, second: [usize; 3]| Crossings::new(2).count(|k| [[0, 1, 2], second][k], |node| nodes(z)[node]);
+        assert_eq!([count(-0.5, [3, 4, 5]), count(0.1, [3, 4, 5]), count(-0.5, [0, 4, 3])], [1, 0, 0]);
+    }
+}

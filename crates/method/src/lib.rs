@@ -1,0 +1,8 @@
+//! Numerical methods of fluid and rod as data, which scene files name and the solvers use.
+#![forbid(unsafe_code)]
+
+mod fluid;
+mod rod;
+
+pub use fluid::{Filter, Mask, Precision, Support, Surface, TimeScheme, WallCorrection};
+pub use rod::{Axis, Bending, Calibration, Scheme, Section, Slide};

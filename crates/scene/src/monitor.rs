@@ -1,0 +1,262 @@
+//! Warnings about the places of bodies, beams and the wing over time: before a run as far as laws move them, and during
+//! a run. There is no contact model.
+
+use std::collections::BTreeMap;
+
+use geometry::vector::{minus, norm};
+use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond};
+use serde::{Deserialize, Serialize};
+
+use crate::fluid::Fluid;
+use crate::places::{AXES, blocked, rounded, shown, walls, zones};
+use crate::read::kept;
+use crate::scene::Scene;
+use crate::warnings::Warning;
+
+/// Change of the length of a rod, by the smaller of the length and that at rest, above which the run warns of it.
+const STRETCH: f64 = 0.5;
+
+/// Relative tolerance of a limit.
+const ROUNDING: f64 = 1e-9;
+
+/// A body, a beam or the wing.
+pub(crate) struct Part {
+    /// Path of its key.
+    pub key: String,
+    /// Name in a sentence.
+    pub name: String,
+    /// Shape at rest.
+    pub rest: Shape,
+    /// Whether it can move.
+    pub moves: bool,
+    /// Whether it can change its shape.
+    pub deforms: bool,
+    /// Largest thickness of a beam, m; infinite for others.
+    pub thickness: f64,
+}
+
+/// What is known of the parts from earlier times.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Memory {
+    /// How far each thing had gone at the first time, m; none once it is warned of: a root may be embedded.
+    reached: BTreeMap<String, Option<f64>>,
+    /// Edges or triangles of the second part that touched the first part of each pair then; none where nothing did, and
+    /// an empty list of a body.
+    touched: BTreeMap<String, Option<Vec<usize>>>,
+}
+
+/// Checks the places of parts again and again, and warns of each thing once.
+pub(crate) struct Monitor<'a> {
+    pub fluid: Option<&'a Fluid>,
+    pub parts: &'a [Part],
+    pub memory: Memory,
+    /// Number of dimensions.
+    pub axes: usize,
+    /// Whether nobody warns of the places at the first time, which were checked before the run.
+    pub is_run: bool,
+}
+
+/// Takes the name of a limit, how far a part has gone and how far it may, whether nobody warns of where it is at the
+/// first time, and a sentence without name and time.
+type See<'a> = &'a mut dyn FnMut(&str, [f64; 2], bool, &dyn Fn() -> String);
+
+impl Monitor<'_> {
+    /// Return the warnings at time `t` (s) from the present shapes; the place of a part may be unknown.
+    pub fn check(&mut self, t: f64, now: &[Option<Shape>]) -> Vec<Warning> {
+        let (mut found, parts) = (Vec::new(), self.parts);
+        let known: Vec<_> = parts.iter().zip(now).filter_map(|(part, shape)| Some((part, shape.as_ref()?))).collect();
+        for (part, shape) in &known {
+            let (memory, is_run) = (&mut self.memory, self.is_run);
+            let see: See = &mut |limit, [reached, allowed], may_start, text| {
+                let first = Some(if is_run || may_start { reached } else { 0.0 });
+                let before = memory.reached.entry(format!("{} {limit}", part.key)).or_insert(first);
+                if before.is_some_and(|before| reached > before + allowed) {
+                    *before = None;
+                    found.push(warning(&part.key, t, &format!("{} {}", part.name, text())));
+                }
+            };
+            if let Some(fluid) = self.fluid.filter(|_| part.moves || (!is_run && t == 0.0)) {
+                limits(fluid, part, shape, see);
+            }
+            if part.deforms {
+                own_shape(part, shape, self.axes, see);
+            }
+        }
+        for (j, (part, shape)) in known.iter().enumerate() {
+            for (other, other_shape) in known[..j].iter().filter(|(other, _)| part.moves || other.moves) {
+                if let Some(place) = self.meets((other, other_shape), (part, shape)) {
+                    let rounding = ROUNDING * norm(place);
+                    let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
+                    let at = shown(&place[..self.axes]);
+                    let text = format!("{} meets {} near {at}, and nothing keeps them apart,", part.name, other.name);
+                    found.push(warning(&part.key, t, &text));
+                }
+            }
+        }
+        found
+    }
+
+    /// Return where two parts meet beyond what touched at the first time, once.
+    fn meets(&mut self, (one, shape): (&Part, &Shape), (other, other_shape): (&Part, &Shape)) -> Option<[f64; 3]> {
+        let pair = format!("{} meets {}", other.key, one.key);
+        if self.memory.reached.contains_key(&pair) {
+            return None;
+        }
+        let cell = self.fluid.map_or(0.0, |fluid| fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min));
+        let touch = shape.touched_by(other_shape, cell / 4.0);
+        let elements = match &touch {
+            Some(Touch::At(elements)) => Some(elements.clone()),
+            Some(Touch::Whole) => Some(Vec::new()),
+            None => None,
+        };
+        let start = self.memory.touched.entry(pair.clone()).or_insert(elements.clone()).clone();
+        let (touch, elements) = (touch?, elements?);
+        let is_new = |start: Vec<usize>| {
+            let half = if one.thickness.is_finite() { one.thickness / 2.0 } else { 0.0 };
+            let margin = 2.0 * (half + (0..other.rest.elements()).map(|k| other.rest.size(k)).fold(0.0, f64::max));
+            let apart = |a: usize, b: usize| norm(minus(other.rest.middle(a), other.rest.middle(b)));
+            elements.iter().any(|&k| start.iter().all(|&known| apart(k, known) > margin))
+        };
+        start.is_none_or(is_new).then(|| {
+            self.memory.reached.insert(pair, None);
+            other_shape.place(&touch, shape)
+        })
+    }
+}
+
+/// Return the sentence of a warning with its time.
+fn warning(key: &str, t: f64, text: &str) -> Warning {
+    let time = (t > 0.0).then_some(t);
+    let when = time.map_or("at the start".into(), |t| format!("at t = {} s", rounded(t)));
+    Warning { key: key.into(), time, text: format!("{text} {when}") }
+}
+
+/// Show how far a part reaches over the edges of the box, into walls and zones, and whether it stops the stream.
+fn limits(fluid: &Fluid, part: &Part, shape: &Shape, see: See) {
+    let (cell, bounds): (_, Bounds<3>) = (fluid.r#box.spacing(), shape.bounds());
+    let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
+    for (axis, ends) in fluid.r#box.ends().enumerate() {
+        let (over, name) = (out(axis, ends), AXES[axis]);
+        see(&format!("edge {name}"), [over, ROUNDING * (ends[1] - ends[0])], false, &|| {
+            format!("reaches {} m over the edge of the box along {name} and comes in at the other side", rounded(over))
+        });
+    }
+    for (axis, ends) in walls(fluid) {
+        let reached = out(axis, ends);
+        // A beam may be embedded in a wall.
+        let is_body = part.key.starts_with("fluid.");
+        see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !is_body, &|| {
+            format!("reaches {} m into a wall of the channel", rounded(reached))
+        });
+    }
+    let stops = blocked(fluid, shape);
+    let is_blocked = f64::from(u8::from(stops.is_some()));
+    see("stream", [is_blocked, 0.0], true, &|| stops.clone().unwrap_or_default());
+    for (zone, [low, high]) in zones(fluid) {
+        let shared = (bounds[0][1].min(high) - bounds[0][0].max(low)).max(0.0);
+        see(zone, [shared, cell[0] * (1.0 + ROUNDING)], false, &|| {
+            format!("reaches {} m into the {zone}, x [{low}, {high}],", rounded(shared))
+        });
+    }
+}
+
+/// Show how far a part that changes its shape stretches, and whether it meets itself.
+fn own_shape(part: &Part, shape: &Shape, axes: usize, see: See) {
+    match (shape, &part.rest) {
+        (Shape::Chain(now), Shape::Chain(rest)) => {
+            let ratio = (now.length() / rest.length()).max(ROUNDING);
+            see("length", [ratio.max(1.0 / ratio) - 1.0, STRETCH], true, &|| {
+                let ratio = format!("{ratio:.1e}").parse::<f64>().unwrap_or(ratio);
+                format!("is {ratio} times as long as at rest: its axial stiffness is small for its loads")
+            });
+            let fold = now.fold();
+            see("itself", [f64::from(u8::from(fold.is_some())), 0.0], true, &|| {
+                let at = shown(&fold.unwrap_or_default()[..axes]);
+                format!("meets itself near {at}, and nothing keeps its parts apart,")
+            });
+        }
+        (Shape::Surface(surface), _) => {
+            let (triangles, nodes) = (surface.triangles(), surface.nodes());
+            let count = Crossings::new(triangles.len()).count(|k| triangles[k], |node| nodes[node]);
+            see("itself", [count as f64, 0.0], true, &|| {
+                "passes through itself, and nothing keeps its parts apart,".into()
+            });
+        }
+        _ => (),
+    }
+}
+
+/// Places of the parts of a run at one time.
+#[derive(Deserialize)]
+struct Places {
+    /// Time, s.
+    time: f64,
+    /// What the answer of the time before has as `memory`.
+    memory: Option<Memory>,
+    /// Place of the pivot, m, and angle, rad, of each body of the fluid; none where its laws say it.
+    bodies: Vec<Option<[f64; 3]>>,
+    /// Stations of each beam, m; none of one that nobody knows.
+    beams: Vec<Option<Vec<Vec<f64>>>>,
+    /// Nodes of the wing, m.
+    wing: Option<Vec<[f64; 3]>>,
+}
+
+/// Warnings and memory after one time of a run.
+#[derive(Serialize)]
+struct Answer {
+    warnings: Vec<String>,
+    memory: Memory,
+}
+
+/// Check the places of a run at one time, as a JSON object, for the text of its scene; return the sentences of new
+/// `warnings`, and the `memory` for the next time. Without a scene it is `null`.
+pub fn monitor_text(places: &str, scene: Option<&str>) -> String {
+    let scene = scene.and_then(kept);
+    let answer = scene.zip(serde_json::from_str(places).ok()).map(|(scene, places)| check_run(&scene, places));
+    serde_json::to_string(&answer).expect("an answer is plain JSON")
+}
+
+fn check_run(scene: &Scene, places: Places) -> Answer {
+    let fluid = scene.fluid.as_ref();
+    let ends: Vec<_> = fluid.iter().flat_map(|fluid| fluid.r#box.ends()).collect();
+    let (mut parts, mut now) = (Vec::new(), Vec::new());
+    let mut add = |key: String, name: String, [rest, shape]: [Option<Shape>; 2], moves: bool, thickness: f64| {
+        if let (Some(rest), Some(shape)) = (rest, shape) {
+            parts.push(Part { deforms: key == "wing" || thickness.is_finite(), key, name, rest, moves, thickness });
+            now.push(Some(shape));
+        }
+    };
+    let cylinders = fluid.map_or(0, |fluid| fluid.cylinders.len());
+    let free = (0..cylinders).map(|_| None).chain(places.bodies);
+    for (own, pose) in fluid.iter().flat_map(|fluid| fluid.obstacles()).zip(free) {
+        let (body, rest) = (&own.body, own.body.shape_at(0.0, &ends));
+        let shape = match pose {
+            Some([x, y, angle]) => {
+                body.placed([x - body.position[0], y - body.position[1], 0.0], angle - body.angle, &ends)
+            }
+            None => body.shape_at(places.time, &ends),
+        };
+        add(own.key, own.name, [Some(rest), Some(shape)], pose.is_some(), f64::INFINITY);
+    }
+    for (own, stations) in scene.beams_with_rods().zip(places.beams) {
+        let stations_at = own.beam.places().step_by(2);
+        let half: Vec<_> = stations_at.map(|s| own.beam.thickness.at(s) / 2.0).collect();
+        let point = |p: &Vec<f64>| [0, 1, 2].map(|d| p.get(d).copied().unwrap_or(0.0));
+        let stations: Option<Vec<_>> = stations.map(|all| all.iter().map(point).collect());
+        let stations = stations.filter(|all| all.len() == half.len());
+        let [rest, shape] = [Some(scene.beam_stations(own.beam)), stations]
+            .map(|points| points.map(|points| Shape::Chain(Chain::new(points, &half))));
+        let name = own.name.map_or("the rod".into(), |name| format!("the rod {name}"));
+        add(own.key() + "beam", name, [rest, shape], true, 2.0 * half.into_iter().fold(0.0, f64::max));
+    }
+    if let Some(wing) = &scene.wing {
+        let mesh = wing.mesh.build();
+        let surface = |nodes| Shape::Surface(Surface::new(nodes, mesh.triangles.clone()));
+        let nodes = places.wing.filter(|nodes| nodes.len() == mesh.nodes.len() && !mesh.triangles.is_empty());
+        add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, f64::INFINITY);
+    }
+    let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
+    let mut monitor = Monitor { fluid, parts: &parts, memory: places.memory.unwrap_or_default(), axes, is_run: true };
+    let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();
+    Answer { warnings, memory: monitor.memory }
+}
