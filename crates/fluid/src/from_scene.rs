@@ -5,14 +5,13 @@
 
 use std::sync::Arc;
 
+use geometry::plane::Outline;
+use geometry::space::Solid;
 use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
-use crate::parameters::{
-    Body, Extent, Filter, Flexible, Law, Mask, Motion, Mount, Parameters, Precision, Support, TimeScheme,
-    WallCorrection, Zone,
-};
-use crate::shapes::{Outline, Shape, Solid};
+use crate::parameters::{Body, Extent, Flexible, Law, Motion, Mount, Parameters, Zone};
+use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Space, Spin, Turn, Vector};
 
 impl TryFrom<&Scene> for Parameters<2> {
@@ -72,15 +71,12 @@ where
         walls: std::array::from_fn(|axis| walls[axis]),
         inflow: fluid.inflow.as_ref().map(inflow),
         sponge: fluid.sponge.as_ref().map(sponge),
-        mask: mask(&fluid.mask),
+        mask: fluid.mask,
         probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
-        filter: filter(fluid.filter),
-        precision: precision(fluid.precision),
+        filter: fluid.filter,
+        precision: fluid.precision,
         threads: fluid.threads,
-        scheme: match time.scheme {
-            scene::TimeScheme::Sbdf2 => TimeScheme::Sbdf2,
-            scene::TimeScheme::Rk2 => TimeScheme::Rk2,
-        },
+        scheme: time.scheme,
         max_step: time.max_step,
         max_cfl: time.max_cfl,
         loads: scene.load().is_none_or(|load| load == Load::Momentum),
@@ -104,21 +100,6 @@ fn sponge(sponge: &scene::Sponge) -> Zone {
 
 fn zone(x: [f64; 2], profile: InflowProfile, mean_velocity: &TimeLaw, c_eta: f64) -> Zone {
     Zone { x, parabolic: profile == InflowProfile::Parabolic, mean_velocity: law(mean_velocity), c_eta }
-}
-
-fn filter(filter: scene::Filter) -> Filter {
-    match filter {
-        scene::Filter::Smooth => Filter::Smooth,
-        scene::Filter::TwoThirds => Filter::TwoThirds,
-        scene::Filter::None => Filter::None,
-    }
-}
-
-fn precision(precision: scene::Precision) -> Precision {
-    match precision {
-        scene::Precision::Double => Precision::Double,
-        scene::Precision::Single => Precision::Single,
-    }
 }
 
 /// Return the flexible bodies of a scene in space: its beams in their order, then its wing.
@@ -172,9 +153,9 @@ fn cylinder((k, cylinder): (usize, &scene::Cylinder)) -> Body {
 }
 
 /// Return the bodies of a scene, with their shapes, turns at rest and axes of their motions.
-fn bodies<'a, const D: usize, S: Into<Arc<dyn Shape<D>>>>(
+fn bodies<'a, const D: usize>(
     fluid: &'a scene::Fluid,
-    shape: impl Fn(&scene::Shape) -> S + 'a,
+    shape: impl Fn(&scene::Shape) -> Arc<dyn Shape<D>> + 'a,
     turn: impl Fn(&scene::Body) -> <[f64; D] as Space<D>>::Turn + 'a,
     axis: impl Fn(&scene::BodyMotion) -> Spin<D> + 'a,
 ) -> impl Iterator<Item = Body<D>> + 'a
@@ -191,7 +172,7 @@ where
         };
         Body {
             name: format!("body {}", k + 1),
-            shape: shape(&body.shape).into(),
+            shape: shape(&body.shape),
             position: components(&body.position),
             pivot: components(&body.pivot),
             turn: turn(body),
@@ -205,14 +186,13 @@ fn mount<const D: usize>(mount: &scene::Mount) -> Mount<D>
 where
     [f64; D]: Space<D>,
 {
-    let support = |scene::Support { stiffness, damping, rest }| Support { stiffness, damping, rest };
-    let own = mount.supports().map(|own| own.map(support));
+    let own = mount.supports();
     let inertia = <[f64; D]>::inertia([mount.inertia.unwrap_or_default(); 3]);
     Mount { mass: mount.mass, inertia, supports: std::array::from_fn(|i| own.get(i).copied().flatten()) }
 }
 
-fn shape(shape: &scene::Shape) -> Outline {
-    match shape {
+fn shape(shape: &scene::Shape) -> Arc<dyn Shape<2>> {
+    let outline = match shape {
         scene::Shape::Circle { radius } => Outline::Circle(*radius),
         scene::Shape::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
         scene::Shape::Rectangle { length, thickness, ends: Ends::Square } => {
@@ -221,21 +201,24 @@ fn shape(shape: &scene::Shape) -> Outline {
         scene::Shape::Rectangle { length, thickness, ends: Ends::Round } => {
             Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
         }
-        scene::Shape::Polygon { corners } => Outline::Polygon(corners.clone()),
-        scene::Shape::Plate { length, .. } => Outline::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
-        scene::Shape::Polyline { points } => Outline::Line(points.clone()),
+        scene::Shape::Polygon { corners } => Outline::polygon(corners.clone()),
+        scene::Shape::Plate { length, .. } => {
+            return Arc::new(Polyline(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]));
+        }
+        scene::Shape::Polyline { points } => return Arc::new(Polyline(points.clone())),
         scene::Shape::Disk { .. }
         | scene::Shape::Triangulation { .. }
         | scene::Shape::Sphere { .. }
         | scene::Shape::Ellipsoid { .. }
         | scene::Shape::Cuboid { .. }
         | scene::Shape::CircularCylinder { .. } => unreachable!("checked: a shape of two dimensions"),
-    }
+    };
+    Arc::new(outline)
 }
 
-fn solid(shape: &scene::Shape) -> Solid {
+fn solid(shape: &scene::Shape) -> Arc<dyn Shape<3>> {
     let half = |lengths: &[f64; 3]| lengths.map(|length| 0.5 * length);
-    match shape {
+    let solid = match shape {
         scene::Shape::Sphere { radius } => Solid::Sphere(*radius),
         scene::Shape::Ellipsoid { lengths } => Solid::Ellipsoid(half(lengths)),
         scene::Shape::Cuboid { lengths } => Solid::Cuboid(half(lengths)),
@@ -245,27 +228,9 @@ fn solid(shape: &scene::Shape) -> Solid {
             half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
         },
         shape => match shape.surface() {
-            Some((nodes, triangles)) => Solid::Surface(nodes, triangles),
+            Some((nodes, triangles)) => return Arc::new(Triangulation(nodes, triangles)),
             None => unreachable!("checked: a shape of three dimensions"),
         },
-    }
-}
-
-fn mask(mask: &scene::Mask) -> Mask {
-    match *mask {
-        scene::Mask::Sharp { c_eta, displacement_corrected } => Mask::Sharp { c_eta, displacement_corrected },
-        scene::Mask::Cosine { c_eta, half_width, displacement_corrected } => {
-            Mask::Cosine { c_eta, half_width, displacement_corrected }
-        }
-        scene::Mask::LogLinear { c_eta, decay_length_cells, core_depth, wall_correction } => Mask::LogLinear {
-            c_eta,
-            decay_length_cells,
-            core_depth,
-            wall_correction: match wall_correction {
-                scene::WallCorrection::None => WallCorrection::None,
-                scene::WallCorrection::Shear => WallCorrection::Shear,
-                scene::WallCorrection::Curvature => WallCorrection::Curvature,
-            },
-        },
-    }
+    };
+    Arc::new(solid)
 }

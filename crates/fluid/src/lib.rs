@@ -49,12 +49,12 @@ pub use bodies::Pose;
 pub use error::Error;
 pub use fluid::Fluid;
 pub use force::{Exchange, Force};
+pub use geometry::plane::Outline;
+pub use geometry::space::Solid;
 pub use grid::Grid;
-pub use parameters::{
-    Body, Extent, Filter, Flexible, Law, Mask, Motion, Mount, Parameters, Precision, Support, TimeScheme,
-    WallCorrection, Zone,
-};
-pub use shapes::{Outline, Shape, Solid};
+pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
+pub use parameters::{Body, Extent, Flexible, Law, Motion, Mount, Parameters, Zone};
+pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
 pub use space::{Space, Spin, Turn};
 pub use state::State;

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
+use method::{Filter, Mask, Precision, Support, TimeScheme};
+
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
@@ -140,17 +142,6 @@ where
     pub supports: [Option<Support>; 6],
 }
 
-/// A spring and a damper in parallel.
-#[derive(Clone, Copy, Debug)]
-pub struct Support {
-    /// Stiffness, N/m or N m/rad, in the plane per metre of depth.
-    pub stiffness: f64,
-    /// Damping, N s/m or N m s/rad, in the plane per metre of depth.
-    pub damping: f64,
-    /// Displacement or angle at which the spring has no force, m or rad.
-    pub rest: f64,
-}
-
 /// A body with nodes that are set from outside: a beam or rod from root to tip, or a wing.
 #[derive(Clone, Debug)]
 pub struct Flexible<const D: usize = 2> {
@@ -184,78 +175,6 @@ pub enum Extent {
         /// mask behind the root.
         support: Option<usize>,
     },
-}
-
-/// Drag rate of a solid as a function of the signed distance to its surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mask {
-    /// `1/c_eta` inside (thesis ch. 3).
-    Sharp {
-        /// Relaxation time C_eta, s.
-        c_eta: f64,
-        /// Whether the wall is shifted so that no-slip holds at the surface.
-        displacement_corrected: bool,
-    },
-    /// Cosine layer around the surface (thesis eq. 4.1; Hester, Vasil & Burns 2021).
-    Cosine {
-        /// Relaxation time C_eta, s.
-        c_eta: f64,
-        /// Half the width of the layer, cells.
-        half_width: f64,
-        /// Whether the layer is shifted so that no-slip holds at the surface.
-        displacement_corrected: bool,
-    },
-    /// Exponential growth with the depth, so that no-slip holds at the surface for any position of the grid.
-    LogLinear {
-        /// Smallest relaxation time, s.
-        c_eta: f64,
-        /// Length over which the drag grows by e, cells.
-        decay_length_cells: f64,
-        /// Depth at which the core of a still body begins, cells; absent: the default depth.
-        core_depth: Option<f64>,
-        /// Correction of the velocity at the surface.
-        wall_correction: WallCorrection,
-    },
-}
-
-/// Velocity to which a body draws the fluid at its surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WallCorrection {
-    /// The velocity of the body.
-    None,
-    /// Inside, weakly, the mirror image of the flow outside.
-    Shear,
-    /// Also a second difference of the flow outside.
-    Curvature,
-}
-
-/// Removal of aliasing errors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
-    /// `exp(−36 (k/k_max)³⁶)` (Hou & Li 2007).
-    Smooth,
-    /// Truncation outside the ellipse of two thirds (thesis eq. 3.14).
-    TwoThirds,
-    /// None.
-    None,
-}
-
-/// Precision of fields and transforms; bodies, forces and loads are in double precision in both.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// `f64`.
-    Double,
-    /// `f32`.
-    Single,
-}
-
-/// Time scheme.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TimeScheme {
-    /// Two-step backward differences, drag and viscosity implicit.
-    Sbdf2,
-    /// Heun's method, drag explicit, viscosity exact.
-    Rk2,
 }
 
 impl<const D: usize> Parameters<D>
@@ -322,7 +241,7 @@ where
         const NAMES: [&str; 3] = ["number of cells along x", "number of cells along y", "number of cells along z"];
         for (axis, (name, cells)) in NAMES.into_iter().zip(self.cells).enumerate() {
             let (least, allowed) = if axis + 2 == D {
-                (self.precision.least_block(), "at least 8, or 16 in single precision")
+                (self.precision.fewest_columns(), "at least 8, or 16 in single precision")
             } else {
                 (8, "at least 8")
             };
@@ -353,7 +272,7 @@ where
         turns.clone().try_for_each(|i| require_positive("moment of inertia of a body on springs", own[i]))?;
         let name = |i: usize| if i < D { "mass" } else { "moment of inertia" };
         for i in moves.then_some(0).into_iter().chain(turns) {
-            if !body.shape.is_round() && own[i] < displaced[i] {
+            if body.shape.radius().is_none() && own[i] < displaced[i] {
                 return Err(Error::LightBody { name: name(i), value: own[i], displaced: displaced[i] });
             }
         }
@@ -440,8 +359,8 @@ where
     [f64; D]: Space<D>,
 {
     /// A still body with its pivot (m) at the origin of its axes, which are those of the domain.
-    pub fn still(name: impl Into<String>, shape: impl Into<Arc<dyn Shape<D>>>, position: [f64; D]) -> Self {
-        let (name, shape, turn) = (name.into(), shape.into(), Default::default());
+    pub fn still(name: impl Into<String>, shape: impl Shape<D> + 'static, position: [f64; D]) -> Self {
+        let (name, shape, turn) = (name.into(), Arc::new(shape), Default::default());
         Self { name, shape, position, pivot: [0.0; D], turn, motion: None }
     }
 
@@ -534,42 +453,5 @@ impl Law {
 impl fmt::Debug for Law {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Law")
-    }
-}
-
-impl Mask {
-    /// A log-linear mask with the default decay length of a quarter of a cell and the correction of curvature.
-    pub fn log_linear(c_eta: f64) -> Self {
-        Self::LogLinear {
-            c_eta,
-            decay_length_cells: 0.25,
-            core_depth: None,
-            wall_correction: WallCorrection::Curvature,
-        }
-    }
-
-    /// Return the relaxation time C_eta deep inside a solid, s.
-    pub fn c_eta(&self) -> f64 {
-        match *self {
-            Self::Sharp { c_eta, .. } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
-        }
-    }
-}
-
-impl Precision {
-    /// Return the size of a number, bytes.
-    pub(crate) fn bytes(self) -> usize {
-        match self {
-            Self::Double => size_of::<f64>(),
-            Self::Single => size_of::<f32>(),
-        }
-    }
-
-    /// Return the lines that a block of the transforms needs.
-    pub(crate) fn least_block(self) -> usize {
-        match self {
-            Self::Double => 8,
-            Self::Single => 16,
-        }
     }
 }

@@ -5,10 +5,11 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use line_fft::Real;
+use method::{Precision, TimeScheme};
 
 use crate::error::Error;
 use crate::flow::Flow;
-use crate::parameters::{Parameters, Precision, TimeScheme};
+use crate::parameters::Parameters;
 use crate::present::Present;
 use crate::problem::Problem;
 use crate::space::Space;

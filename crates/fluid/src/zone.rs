@@ -2,8 +2,10 @@
 
 use std::f64::consts::PI;
 
+use method::Mask;
+
 use crate::grid::Grid;
-use crate::parameters::{Law, Mask, Zone};
+use crate::parameters::{Law, Zone};
 use crate::wall::DragProfile;
 
 /// A zone that draws the flow to `(shape(y) · mean_velocity(t), 0)`.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nervure_fluid::{Filter, Fluid, Law, Motion, Outline, Precision, Solid, Turn, Zone};
+use nervure_fluid::{Filter, Fluid, Law, Motion, Outline, Precision, Shape, Solid, Turn, Zone};
 
 type Body = nervure_fluid::Body<3>;
 type Parameters = nervure_fluid::Parameters<3>;
@@ -16,7 +16,7 @@ fn made(parameters: &Parameters) -> Fluid<3> {
     Fluid::<3>::new(parameters).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn still(shape: Solid, position: [f64; 3]) -> Body {
+fn still(shape: impl Shape<3> + 'static, position: [f64; 3]) -> Body {
     Body::still("the body", shape, position)
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nervure_fluid::{Error, Extent, Flexible, Law, Mask, Motion, Precision, Solid, Turn};
+use nervure_fluid::{Error, Extent, Flexible, Law, Mask, Motion, Precision, Shape, Solid, Triangulation, Turn};
 
 type Body = nervure_fluid::Body<3>;
 type Fluid = nervure_fluid::Fluid<3>;
@@ -20,18 +20,18 @@ fn run(fluid: &mut Fluid, steps: usize, h: f64) {
 }
 
 /// A disk across y.
-fn disk(radius: f64) -> Solid {
+fn disk(radius: f64) -> Triangulation {
     let (nodes, triangles) = scene::Shape::Disk { radius }.surface().expect("it is a surface");
-    Solid::Surface(nodes, triangles)
+    Triangulation(nodes, triangles)
 }
 
 /// A plate across y, with lengths along x and z.
-fn plate(length: f64, width: f64) -> Solid {
+fn plate(length: f64, width: f64) -> Triangulation {
     let (nodes, triangles) = scene::Shape::Plate { length, width: Some(width) }.surface().expect("it is a surface");
-    Solid::Surface(nodes, triangles)
+    Triangulation(nodes, triangles)
 }
 
-fn still(shape: Solid, turn: Turn) -> Body {
+fn still(shape: impl Shape<3> + 'static, turn: Turn) -> Body {
     Body { turn, ..Body::still("the body", shape, [0.01, 0.02, -0.015]) }
 }
 
@@ -125,7 +125,7 @@ fn flapping() -> Body {
 #[test]
 fn a_plate_that_laws_move_is_that_whose_nodes_are_set() {
     let mut by_laws = stream([0.5, 0.0, 0.0], 1e-2, 24);
-    let Solid::Surface(rest, triangles) = plate(0.4, 0.5) else { unreachable!("it is a surface") };
+    let Triangulation(rest, triangles) = plate(0.4, 0.5);
     let mut by_nodes = by_laws.clone();
     by_laws.bodies = vec![flapping()];
     let (nodes, extent) = (rest.clone(), Extent::Surface(triangles));
@@ -183,7 +183,7 @@ fn threads_and_states_of_a_moving_plate_change_no_bit() {
 #[test]
 fn a_surface_without_triangles_or_with_too_many_markers_is_refused() {
     for shape in
-        [Solid::Surface(vec![[0.0; 3]], vec![]), Solid::Surface(vec![[0.0; 3]; 3], vec![[0, 1, 3]]), plate(1e5, 1.0)]
+        [Triangulation(vec![[0.0; 3]], vec![]), Triangulation(vec![[0.0; 3]; 3], vec![[0, 1, 3]]), plate(1e5, 1.0)]
     {
         let mut parameters = stream([0.0; 3], 1.0, 16);
         parameters.bodies = vec![still(shape, about_z(0.0))];

@@ -18,11 +18,12 @@
 
 use std::array::from_fn;
 
+use method::Support;
 use serde::{Deserialize, Serialize};
 
 use super::pose::Pose;
 use crate::force::Force;
-use crate::parameters::{Mount, Support};
+use crate::parameters::Mount;
 use crate::space::{Freedoms, Space, Vector, join, split};
 
 /// Least mass that a body resists the change of its velocity with within a step, by that of the displaced fluid.

@@ -2,6 +2,9 @@
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
+use geometry::Region;
+use method::Mask;
+
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
 use super::mount::{DisplacedMass, SpringMotion};
@@ -9,8 +12,8 @@ use super::pose::Pose;
 use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::kernel::layer_thickness;
-use crate::parameters::{Body, Mask, Motion, Mount};
-use crate::shapes::{Moments, Nearest};
+use crate::parameters::{Body, Motion, Mount};
+use crate::shapes::{Moments, nearest};
 use crate::space::{Space, Vector, join};
 use crate::wall::DragProfile;
 
@@ -67,13 +70,15 @@ where
     /// A body at t = 0.
     pub fn new(body: &Body<D>, grid: &Grid<D>, mask: &Mask, nu: f64, density: f64) -> Self {
         let (body, cell) = (body.clone(), grid.cell_size());
-        let (moments, profile) = if body.shape.thin().is_some() {
-            let layer = body.shape.layer(layer_thickness(D) * cell);
-            let layer = layer.unwrap_or_else(|| body.shape.moments(&grid.size));
-            (body.limited(layer, density), None)
-        } else {
-            let profile = DragProfile::of_body(body.shape.thickness(), body.motion.is_some(), mask, nu, cell);
-            (body.shape.moments(&grid.size), Some(profile))
+        let moments = body.shape.moments(&grid.size);
+        let (moments, profile) = match body.shape.region() {
+            Some(region) => {
+                (moments, Some(DragProfile::of_body(region.thickness(), body.motion.is_some(), mask, nu, cell)))
+            }
+            None => {
+                let layer = body.shape.layer(layer_thickness(D) * cell).unwrap_or(moments);
+                (body.limited(layer, density), None)
+            }
         };
         let pose = Pose::of(&body, 0.0);
         let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
@@ -186,19 +191,20 @@ where
         (self.pose, self.spring_motion) = (pose, None);
         self.orientation = <[f64; D]>::orientation(&self.body.turn, pose.angle);
         let Self { body, profile: Some(profile), orientation, cells, .. } = self else { return };
-        let (shape, pivot, reach) = (&body.shape, Vector::from(body.pivot), profile.reach());
+        let Some(region) = body.shape.region() else { return };
+        let (pivot, reach) = (Vector::from(body.pivot), profile.reach());
         let around = std::array::from_fn(|axis| {
             // The axis of the domain in the axes of the body.
             let direction = <[f64; D]>::turn_back(orientation, Vector::from_fn(|i, _| f64::from(u8::from(i == axis))));
             let from_pivot = direction.dot(&pivot);
             // A body without ends fills a period.
             let cut = |extent: f64| if extent.is_finite() { extent } else { 0.5 * grid.size[axis] };
-            let ahead = cut(shape.extent(&direction)) - from_pivot + reach;
-            let behind = cut(shape.extent(&-direction)) + from_pivot + reach;
+            let ahead = cut(region.extent(direction.into())) - from_pivot + reach;
+            let behind = cut(region.extent((-direction).into())) + from_pivot + reach;
             [pose.position[axis] - behind, pose.position[axis] + ahead]
         });
-        let farthest = if shape.fills_box() { f64::INFINITY } else { reach };
-        let placed = Placed { body, orientation: *orientation, pose };
+        let farthest = if body.shape.fills_box() { f64::INFINITY } else { reach };
+        let placed = Placed { region, pivot, orientation: *orientation, pose };
         cells.clear();
         grid.for_each_in(around, |index, point| {
             let measure = placed.measure(&point);
@@ -214,7 +220,9 @@ struct Placed<'a, const D: usize>
 where
     [f64; D]: Space<D>,
 {
-    body: &'a Body<D>,
+    region: &'a dyn Region<D>,
+    /// Pivot in the axes of the body, m.
+    pivot: Vector<D>,
     orientation: <[f64; D] as Space<D>>::Orientation,
     pose: Pose<D>,
 }
@@ -228,10 +236,10 @@ where
 
     #[inline(always)]
     fn measure(&self, point: &[f64; D]) -> Measure<D, 1> {
-        let (Pose { position, velocity, omega, .. }, pivot) = (self.pose, Vector::from(self.body.pivot));
+        let (Pose { position, velocity, omega, .. }, pivot) = (self.pose, self.pivot);
         let arm = Vector::from(*point) - position;
         let own = <[f64; D]>::turn_back(&self.orientation, arm) + pivot;
-        let Nearest { distance, surface, normal } = self.body.shape.nearest(own);
+        let (distance, surface, normal) = nearest(self.region, own);
         let foot = position + <[f64; D]>::turn(&self.orientation, surface - pivot);
         let surfaces = [Surface { distance, foot, normal: <[f64; D]>::turn(&self.orientation, normal) }];
         let velocity = velocity + <[f64; D]>::swing(omega, &arm);
@@ -241,9 +249,11 @@ where
 
 #[cfg(test)]
 mod tests {
+    use geometry::plane::Outline;
+    use geometry::space::Solid;
+
     use super::*;
     use crate::parameters::Law;
-    use crate::shapes::{Outline, Solid};
     use crate::space::Turn;
 
     fn law(amplitude: f64, frequency: f64) -> Law {
@@ -276,7 +286,8 @@ mod tests {
         for k in 0..parts.pow(D as u32) {
             let index = |axis: usize| k / parts.pow(axis as u32) % parts;
             let own = Vector::from_fn(|axis, _| (index(axis) as f64 + 0.5) * part - 0.5 * size[0]);
-            if body.shape.nearest(own).distance < 0.0 {
+            let region = body.shape.region().expect("it is closed");
+            if nearest(region, own).0 < 0.0 {
                 let [a, b, c] = poses.each_ref().map(|pose| place(pose, own - Vector::from(body.pivot)));
                 let force = density * part.powi(D as i32) * (a - 2.0 * b + c) / (2e-3_f64).powi(2);
                 sum.add(&force, &(b - poses[1].position));
@@ -291,9 +302,6 @@ mod tests {
     #[test]
     fn the_unsteady_term_is_the_inertia_of_the_displaced_fluid() {
         let outline = Body {
-            name: String::new(),
-            shape: Outline::Ellipse([0.3, 0.1]).into(),
-            position: [0.0; 2],
             pivot: [-0.2, 0.05],
             turn: 0.3,
             motion: Some(Motion::Laws {
@@ -301,12 +309,10 @@ mod tests {
                 axis: 1.0,
                 angle: law(0.8, 2.5),
             }),
+            ..Body::still("", Outline::Ellipse([0.3, 0.1]), [0.0; 2])
         };
         check(&outline, [0.7; 2], 800);
         let solid = Body {
-            name: String::new(),
-            shape: Solid::Ellipsoid([0.3, 0.1, 0.2]).into(),
-            position: [0.0; 3],
             pivot: [-0.2, 0.05, 0.1],
             turn: Turn { axis: [1.0, 2.0, -1.0], angle: 0.7 },
             motion: Some(Motion::Laws {
@@ -314,6 +320,7 @@ mod tests {
                 axis: Vector::from([2.0, -1.0, 2.0]) / 3.0,
                 angle: law(0.8, 2.5),
             }),
+            ..Body::still("", Solid::Ellipsoid([0.3, 0.1, 0.2]), [0.0; 3])
         };
         check(&solid, [0.7; 3], 90);
     }

@@ -11,11 +11,11 @@ mod volume_projection;
 use std::sync::{Mutex, PoisonError};
 
 use line_fft::{Arithmetic, Kernel, Pack, Real, Team, run};
+use method::Filter;
 
 use crate::field::{Field, is_available};
 use crate::flow::Flow;
 use crate::grid::Grid;
-use crate::parameters::Filter;
 use crate::timer::PhaseTimer;
 
 pub use plane::PlaneTransforms;

@@ -4,13 +4,13 @@ use std::iter::repeat;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use line_fft::{Block, Fft2, Pack, Real, Scratch, Team, nothing, run};
+use method::Filter;
 
 pub use super::plane_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
 use crate::field::Field;
 use crate::flow::Flow;
 use crate::grid::Grid;
-use crate::parameters::Filter;
 use crate::timer::{Phase, PhaseTimer};
 
 /// Transforms of one grid, with room for the spectra.

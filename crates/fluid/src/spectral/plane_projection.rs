@@ -10,9 +10,9 @@ use std::marker::PhantomData;
 use super::Implicit;
 use crate::filter::smooth_damping;
 use crate::grid::Grid;
-use crate::parameters::Filter;
 use line_fft::Pack;
 use line_fft::{Arithmetic, F64_LANES, Kernel, Real, run};
+use method::Filter;
 
 /// Wavenumbers and filter of one grid, for the rows of a spectrum of [`line_fft::Fft2`].
 pub struct Projection<R> {

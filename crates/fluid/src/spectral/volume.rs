@@ -4,13 +4,13 @@ use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use line_fft::{Fft3, Pack, Real, Team, VolumeScratch, run};
+use method::Filter;
 
 use super::volume_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
 use crate::field::Field;
 use crate::flow::Flow;
 use crate::grid::Grid;
-use crate::parameters::Filter;
 use crate::timer::{Phase, PhaseTimer};
 
 /// Transforms of one grid, with room for the spectra of velocity and vorticity.

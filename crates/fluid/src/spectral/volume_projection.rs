@@ -8,11 +8,11 @@ use std::f64::consts::TAU;
 use std::marker::PhantomData;
 
 use line_fft::{Arithmetic, Complexes, F64_LANES, Kernel, Pack, Real, run};
+use method::Filter;
 
 use super::Implicit;
 use crate::filter::smooth_damping;
 use crate::grid::Grid;
-use crate::parameters::Filter;
 
 /// Wavenumbers and filter of one grid, for the lines of the spectra of [`line_fft::Fft3`].
 pub struct Projection<R> {

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use method::WallCorrection;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::growth::Growth;
 use super::target::{INERTIA, Sample, WallTarget};
 use crate::filter::smooth_damping;
-use crate::parameters::WallCorrection;
 
 /// Return the wall target for a growth of the drag (with cell and nu equal to 1), and the displacement of the profile
 /// into the solid (cells); none if there is no correction, or none that contracts.

@@ -5,10 +5,11 @@
 
 use std::f64::consts::PI;
 
+use method::Mask;
+
 use super::calibration::calibrate;
 use super::growth::Growth;
 use super::target::{MIRROR_DEPTH, WallTarget};
-use crate::parameters::Mask;
 
 /// Distance from the surface in decay lengths beyond which the log-linear drag is neglected. In linear shear the
 /// neglected part would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
@@ -162,7 +163,7 @@ fn cosine_wall_displacement(h: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::WallCorrection;
+    use method::WallCorrection;
 
     /// Values of the displacement against half-width, both in eps, computed independently from the same equation.
     #[test]

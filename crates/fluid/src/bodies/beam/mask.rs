@@ -1,6 +1,7 @@
 //! What does not move of a beam: its thickness and its drag.
 
-use crate::parameters::Mask;
+use method::Mask;
+
 use crate::wall::DragProfile;
 
 /// Thickness and drag of a beam.

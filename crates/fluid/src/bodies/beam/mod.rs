@@ -12,10 +12,12 @@ pub mod vector;
 
 use std::mem::swap;
 
+use method::Mask;
+
 use super::cells::{Cell, Cells};
 use crate::force::{Displaced, Force};
 use crate::grid::Grid;
-use crate::parameters::{Extent, Mask, Parameters};
+use crate::parameters::{Extent, Parameters};
 use crate::space::{Space, Vector};
 use crate::stations::{Loads, Stations};
 use frame::StationSection;
@@ -200,8 +202,8 @@ mod tests {
     use std::slice::from_ref;
 
     use super::*;
-    use crate::parameters::WallCorrection;
     use crate::wall::DragProfile;
+    use method::WallCorrection;
 
     const ROOT: [f64; 2] = [0.3, 0.2];
     const DIRECTION: [f64; 2] = [0.8, 0.6];

@@ -174,7 +174,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Mask;
+    use method::Mask;
 
     /// A straight beam along x that tapers from 0.2 to 0.04: its surfaces are straight lines, also beyond them.
     #[test]
