@@ -46,7 +46,7 @@ pub struct Parameters {
 pub struct State {
     parameters: Parameters,
     loads: Loads,
-    wing: wing::State,
+    wing: wing::WingState,
 }
 
 impl WingUnit {
@@ -59,7 +59,7 @@ impl WingUnit {
         let membrane = parameters.membranes.first().copied();
         let wing::Parameters { gravity, relaxation_time, displaced_density, .. } = parameters;
         let mut wing = parameters.build()?;
-        wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes] };
+        wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes], ..Loads::default() };
         let mut unit = Self {
             parameters: Parameters { membrane, gravity, relaxation_time, displaced_density },
             energy: Energy::default(),
