@@ -1,9 +1,9 @@
 //! Newton's method for a stage or for equilibrium.
 //!
-//! With velocities eliminated both are minima of an incremental potential of the displacement u = x − x_0,
+//! With lumped masses the equation of [`Balance`] is the minimum of an incremental potential of u = x − x_0,
 //!
 //! ```text
-//! Π(u) = Σ_k (½ w_k |u_k|² − b_k · u_k) + s U(x_0 + u),      w u − b + s ∇U = 0,
+//! Π(u) = Σ_k (½ d_k |u_k|² − b_k · u_k) + s U(x_0 + u),      d u − b + s ∇U = 0,
 //! ```
 //!
 //! whose Hessian couples each node to two nodes on either side. Plain Newton comes first. If it does not converge, a
@@ -249,7 +249,7 @@ impl<const D: usize> Newton<D> {
                 for (i, entry) in own.iter_mut().enumerate() {
                     *entry = s * by.own[(j + i, j)];
                 }
-                own[0] += balance.own[k];
+                own[0] += balance.diagonal[k];
                 *stiffness =
                     stiffness.max(own[0].abs() + sheared * by.turns.iter().map(|turn| turn[j] * turn[j]).sum::<f64>());
                 if first == 1 {
@@ -379,17 +379,17 @@ impl<const D: usize> Problem<'_, D> {
     /// Return the force against the elastic force on node `k` of the shape `x`, N.
     #[inline(always)]
     fn outer(&self, k: usize, x: &[Vector<D>]) -> Vector<D> {
-        self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.own[k]
+        self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.diagonal[k]
     }
 
     /// Return Π and its expected rounding error, J; `None` if the shape `x` has no energy.
     fn potential(&self, x: &[Vector<D>]) -> Option<(f64, f64)> {
-        let Balance { own, load, elastic, .. } = self.balance;
+        let Balance { diagonal, load, elastic, .. } = self.balance;
         let energy = self.elastic.energy(x).ok()?;
         let (mut potential, mut size) = (elastic * (energy.stretching + energy.bending), 0.0);
         for (k, (x, origin)) in x.iter().zip(self.origin).enumerate().skip(self.elastic.first) {
             let u = x - origin;
-            let inertia = 0.5 * own[k] * u.norm_squared();
+            let inertia = 0.5 * diagonal[k] * u.norm_squared();
             let work = load[k].dot(&u);
             potential += inertia - work;
             size += inertia + work.abs();

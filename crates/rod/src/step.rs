@@ -105,7 +105,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
             elastic.direction = base.direction;
         }
         for (k, m) in masses.iter().enumerate() {
-            core.balance.own[k] = rule.new_mass * m * rule.c_a;
+            core.balance.diagonal[k] = rule.new_mass * m * rule.c_a;
             core.balance.load[k] = core.blend[k] * *m;
         }
         core.set_balance(rule, load_part, |k| parameters.damping * tributary[k]);

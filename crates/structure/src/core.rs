@@ -147,7 +147,7 @@ impl<const D: usize, M: Clone> Core<D, M> {
         }
     }
 
-    /// Complete the equation of a stage: `own` has the weights of lumped masses and `load` the blended accelerations
+    /// Complete the equation of a stage: `diagonal` has the weights of lumped masses and `load` the blended accelerations
     /// times the masses.
     ///
     /// The loads lie at the fraction `load_part` between the loads of the last step and the present loads; `damping`
@@ -160,7 +160,7 @@ impl<const D: usize, M: Clone> Core<D, M> {
             let force = self.force[k] * load_part + self.state.loads[k] * (1.0 - load_part);
             let resistance = self.resistance(k, &v);
             let inertia = self.balance.load[k];
-            self.balance.own[k] += new_force * (c + self.impedance[k]) * c_v;
+            self.balance.diagonal[k] += new_force * (c + self.impedance[k]) * c_v;
             self.balance.load[k] =
                 (force - v * c - resistance) * new_force + self.state.net_forces[k] * old_force - inertia;
         }

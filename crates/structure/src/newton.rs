@@ -22,8 +22,8 @@ const SETTLED_UPDATE: f64 = 1e-4;
 pub struct Balance<const D: usize> {
     /// b, N: `[nodes]`.
     pub load: Vec<Vector<D>>,
-    /// d, N/m: `[nodes]`.
-    pub own: Vec<f64>,
+    /// d, N/m: `[nodes]`; with lumped masses it contains w M.
+    pub diagonal: Vec<f64>,
     /// w, 1/s².
     pub mass: f64,
     /// s.
@@ -75,7 +75,7 @@ impl<const D: usize> Balance<D> {
     /// Return the equation of an equilibrium of `nodes` nodes without loads.
     pub fn at_rest(nodes: usize) -> Self {
         let zeros = vec![Vector::zeros(); nodes];
-        Self { load: zeros.clone(), own: vec![0.0; nodes], mass: 0.0, elastic: 1.0, rate: 0.0, velocity: zeros }
+        Self { load: zeros.clone(), diagonal: vec![0.0; nodes], mass: 0.0, elastic: 1.0, rate: 0.0, velocity: zeros }
     }
 }
 

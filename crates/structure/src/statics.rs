@@ -14,7 +14,7 @@ pub fn find_equilibrium<const D: usize, S: Structure<D>>(
 ) -> Result<Vec<Vector<D>>, Error<S::Failure>> {
     let core = structure.core_mut();
     core.statistics = Statistics::default();
-    core.balance.own.fill(0.0);
+    core.balance.diagonal.fill(0.0);
     core.balance.velocity.fill(Vector::zeros());
     (core.balance.mass, core.balance.elastic, core.balance.rate) = (0.0, 1.0, 0.0);
     structure.find_elastic_forces()?;

@@ -162,7 +162,7 @@ impl Newton {
             if system.unknowns[k].is_none() {
                 continue;
             }
-            let of_node = balance.load[k] - inertia[k] * balance.mass - moved[k] * balance.own[k];
+            let of_node = balance.load[k] - inertia[k] * balance.mass - moved[k] * balance.diagonal[k];
             *r = of_node - *r * balance.elastic;
             measure.add(*r, of_node, balance.load[k]);
         }

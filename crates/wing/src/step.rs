@@ -112,7 +112,7 @@ impl Structure<3> for Wing {
         let placement = core.before.own.towards(span.base, span.to, span.duration);
         let origin = Vector::from(self.parameters.root.origin);
         core.predict(rule, span.dt, |rest| placement.node(origin, rest - origin));
-        core.balance.own.fill(0.0);
+        core.balance.diagonal.fill(0.0);
         elastic.mass_times(&core.blend, &mut core.balance.load);
         core.set_balance(rule, load_part, |_| 0.0);
         let base = placement.motion();

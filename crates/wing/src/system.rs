@@ -168,7 +168,7 @@ impl System {
         let rates = elastic.rates(v);
         elastic.update(x, rates)?;
         self.rotations.fill(Matrix3::identity());
-        let &Balance { mass, ref own, elastic: s, rate, .. } = balance;
+        let &Balance { mass, ref diagonal, elastic: s, rate, .. } = balance;
         let viscous = 1.0 + elastic.relaxation_time * rate;
         let Self { matrix, faces, segments, vertices, turns, springs, unknowns, .. } = self;
         let values = &mut matrix.values;
@@ -245,8 +245,8 @@ impl System {
                 values[place as usize] += s * viscous / compliance;
             }
         }
-        if own.iter().any(|&weight| weight != 0.0) {
-            for (first, weight) in unknowns.iter().zip(own) {
+        if diagonal.iter().any(|&weight| weight != 0.0) {
+            for (first, weight) in unknowns.iter().zip(diagonal) {
                 if let Some(first) = *first {
                     (first..first + 3).for_each(|i| matrix.add_to_diagonal(i, *weight));
                 }
