@@ -15,8 +15,8 @@ pub enum Body {
 /// State of a [`Body`].
 #[derive(Clone, Serialize, Deserialize)]
 pub enum BodyState {
-    Planar(rod::State<2>),
-    Spatial(rod::State<3>),
+    Planar(rod::RodState<2>),
+    Spatial(rod::RodState<3>),
 }
 
 /// Evaluate one expression for a rod in either dimension.

@@ -69,7 +69,7 @@ impl Model for RodUnit {
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         RodUnit::step(self, t, h).map_err(|e| format!("{e}, {}", span()))?;
-        let Statistics { iterations, substeps, halvings, rescues, negative_pivots } = self.body.statistics();
+        let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } = self.body.statistics();
         if rescues > 0 || negative_pivots > 0 || halvings > 0 {
             log.info(format_args!(
                 "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, \

@@ -1,7 +1,7 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
 use scene::{Fluid, RodScheme, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
-use wing::{Error, Membrane, Parameters, Pose, Root, Scheme, Support, Vein};
+use wing::{Error, Membrane, Parameters, RigidMotion, Root, Scheme, Support, Vein};
 
 /// Return the parameters of the wing of a scene, in its fluid if it has one.
 pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters, Error> {
@@ -60,7 +60,7 @@ fn largest_cell(fluid: &Fluid) -> f64 {
 }
 
 /// Return the pose of the base at time `t`, s.
-pub fn pose(laws: &RootLaws, t: f64) -> Pose {
+pub fn pose(laws: &RootLaws, t: f64) -> RigidMotion {
     let (displacement, velocity) = laws.displacement(t);
     let axes: [_; 3] =
         std::array::from_fn(|j| laws.direction(t, std::array::from_fn(|d| if d == j { 1.0 } else { 0.0 })));
@@ -70,5 +70,5 @@ pub fn pose(laws: &RootLaws, t: f64) -> Pose {
         0.5 * axes.iter().map(|(e, rate)| e[a] * rate[b] - e[b] * rate[a]).sum::<f64>()
     });
     let rotation = std::array::from_fn(|i| std::array::from_fn(|j| axes[j].0[i]));
-    Pose { displacement, velocity, rotation, angular_velocity }
+    RigidMotion { displacement, velocity, rotation, angular_velocity }
 }

@@ -45,7 +45,7 @@ impl WingUnit {
         let membrane = parameters.membranes.first().copied();
         let wing::Parameters { gravity, relaxation_time, displaced_density, .. } = parameters;
         let mut wing = parameters.build()?;
-        wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes] };
+        wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes], ..Loads::default() };
         let mut unit = Self {
             parameters: Parameters { membrane, gravity, relaxation_time, displaced_density },
             energy: Energy::default(),
@@ -102,7 +102,7 @@ impl Model for WingUnit {
     const IDENTIFIER: &'static str = "fmu_wing";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    type State = wing::State;
+    type State = wing::WingState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
@@ -157,11 +157,11 @@ impl Model for WingUnit {
         STATE_BYTES_PER_NODE * self.wing.nodes()
     }
 
-    fn save(&self) -> wing::State {
+    fn save(&self) -> wing::WingState {
         self.wing.state().clone()
     }
 
-    fn restore(&mut self, state: &wing::State) -> Result<(), String> {
+    fn restore(&mut self, state: &wing::WingState) -> Result<(), String> {
         self.apply().map_err(|e| e.to_string())?;
         self.wing.restore(state).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
     }

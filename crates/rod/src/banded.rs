@@ -40,6 +40,7 @@ impl Banded {
     }
 
     /// Return a column from its diagonal down, for writing.
+    #[inline]
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         let stride = self.half_bandwidth + 1;
         &mut self.columns[column * stride..][..stride]

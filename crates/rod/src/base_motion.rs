@@ -1,7 +1,8 @@
 //! Prescribed motion of the root.
 
-use crate::Error;
-use crate::vector::Vector;
+use structure::{Vector, cubic};
+
+use crate::{Error, RodState};
 
 /// Pose and motion of a driven root at the end of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub struct BaseMotion<const D: usize> {
 
 /// Position and unit tangent at the root with their rates.
 #[derive(Clone, Copy)]
-pub(crate) struct BaseState<const D: usize> {
+pub struct BaseState<const D: usize> {
     pub(crate) position: Vector<D>,
     pub(crate) velocity: Vector<D>,
     pub(crate) direction: Vector<D>,
@@ -29,16 +30,10 @@ pub(crate) struct BaseState<const D: usize> {
 impl<const D: usize> BaseMotion<D> {
     /// Return the motion with a unit tangent; refuse numbers that are not finite and a direction of no length.
     pub(crate) fn normalised(&self) -> Result<BaseState<D>, Error> {
-        for (name, vector) in [
-            ("position", self.position),
-            ("velocity", self.velocity),
-            ("direction", self.direction),
-            ("direction_rate", self.direction_rate),
-        ] {
-            if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(format!("base_motion.{name}"), &vector[..], "finite"));
-            }
-        }
+        structure::finite("base_motion.position", &self.position)?;
+        structure::finite("base_motion.velocity", &self.velocity)?;
+        structure::finite("base_motion.direction", &self.direction)?;
+        structure::finite("base_motion.direction_rate", &self.direction_rate)?;
         let direction = Vector::from(self.direction);
         if !direction.norm().is_normal() {
             let allowed = "a vector of any length but 0";
@@ -50,16 +45,34 @@ impl<const D: usize> BaseMotion<D> {
 }
 
 impl<const D: usize> BaseState<D> {
+    /// Return the root of a rod in `state`.
+    pub(crate) fn of(state: &RodState<D>) -> Self {
+        let (position, velocity) = (state.positions[0], state.velocities[0]);
+        Self { position, velocity, direction: state.own.direction, direction_rate: state.own.direction_rate }
+    }
+
+    /// Give the root of a rod in `state` this state.
+    pub(crate) fn copy_to(&self, state: &mut RodState<D>) {
+        (state.positions[0], state.velocities[0]) = (self.position, self.velocity);
+        (state.own.direction, state.own.direction_rate) = (self.direction, self.direction_rate);
+    }
+
     /// Interpolate at the fraction `s` of the way to `end`, `duration` seconds later, by the cubic through both ends.
     pub(crate) fn towards(&self, end: &Self, s: f64, duration: f64) -> Self {
         if s == 1.0 {
             return *end;
         }
-        let (position, velocity) = hermite((self.position, self.velocity), (end.position, end.velocity), s, duration);
-        let (direction, rate) =
-            hermite((self.direction, self.direction_rate), (end.direction, end.direction_rate), s, duration);
+        let [position, velocity, _] = cubic((self.position, self.velocity), (end.position, end.velocity), s, duration);
+        let ends = [self, end].map(|base| (base.direction, base.direction_rate));
+        let [direction, rate, _] = cubic(ends[0], ends[1], s, duration);
         let (direction, direction_rate) = unit(direction, rate);
         Self { position, velocity, direction, direction_rate }
+    }
+
+    /// Return position, velocity and acceleration of node 0 at the end of the cubic over `dt`, s, from `before`.
+    pub(crate) fn of_node(&self, before: &Self, dt: f64) -> [Vector<D>; 3] {
+        let (x, v) = (self.position, self.velocity);
+        [x, v, (before.position - x) * (6.0 / (dt * dt)) + (before.velocity * 2.0 + v * 4.0) / dt]
     }
 }
 
@@ -68,16 +81,4 @@ fn unit<const D: usize>(vector: Vector<D>, rate: Vector<D>) -> (Vector<D>, Vecto
     let norm = vector.norm();
     let direction = vector / norm;
     (direction, (rate - direction * direction.dot(&rate)) / norm)
-}
-
-/// Return value and rate of the cubic that has these values and rates at its ends.
-fn hermite<const D: usize>(
-    (p0, v0): (Vector<D>, Vector<D>),
-    (p1, v1): (Vector<D>, Vector<D>),
-    s: f64,
-    duration: f64,
-) -> (Vector<D>, Vector<D>) {
-    let (m0, m1) = (v0 * duration, v1 * duration);
-    let (square, cube) = ((p1 - p0) * 3.0 - m0 * 2.0 - m1, (p0 - p1) * 2.0 + m0 + m1);
-    (p0 + (m0 + (square + cube * s) * s) * s, (m0 + (square * 2.0 + cube * (3.0 * s)) * s) / duration)
 }

@@ -1,11 +1,12 @@
 //! Springs, masses and rest shape of the chain of nodes.
 
+use structure::Vector;
+
 use crate::elastic::{Angles, Elastic, Joint};
 use crate::hinge::Hinge;
 use crate::model::{Bending, Calibration, RootSupport, Taper};
 use crate::parameters::Parameters;
 use crate::shear::Shear;
-use crate::vector::Vector;
 
 impl<const D: usize> Parameters<D> {
     /// Return the first node that moves freely: 1, or 0 with a free or sliding root.

@@ -26,13 +26,14 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector2;
+use structure::{Matrix, Vector, cross};
 
+use crate::BadShape;
 use crate::shear::Shear;
-use crate::vector::{Matrix, Vector, cross};
 use crate::vertex::{CosineSlope, Edge, Jet, ProjectedAngle, VertexDerivatives, angle_gradient, half_square};
 
 /// Limit of |e_1||e_2| + e_1·e_2 at a fold, and of the squared length of a vanished projection, relative to l0².
-pub(crate) const FOLD: f64 = 1e-12;
+const FOLD: f64 = 1e-12;
 
 /// Springs of the rod.
 pub(crate) struct Elastic<const D: usize> {
@@ -97,15 +98,6 @@ pub(crate) struct ElasticEnergy {
     pub(crate) stretching: f64,
     /// Bending and shear.
     pub(crate) bending: f64,
-}
-
-/// Shape without a finite bending energy.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum BadShape {
-    /// The rod folds back on itself at this node.
-    Fold { node: usize },
-    /// The projection into the plane of x and this axis vanishes or turns by more than a right angle at this node.
-    Projection { node: usize, axis: usize },
 }
 
 impl Angles {
@@ -436,8 +428,14 @@ impl<const D: usize> Elastic<D> {
         if before.l * after.l * above_fold > FOLD * self.segment_length.powi(2) {
             Ok(above_fold)
         } else {
-            Err(BadShape::Fold { node })
+            Err(self.fold(node))
         }
+    }
+
+    /// Return the error of a rod that folds back at `node`.
+    #[cold]
+    pub(crate) fn fold(&self, node: usize) -> BadShape {
+        BadShape::FoldBack { node, limit: FOLD * self.segment_length.powi(2) }
     }
 
     /// Return the angle between the projections into the plane of x and `axis`, rad; refuse singular projections.
@@ -454,7 +452,7 @@ impl<const D: usize> Elastic<D> {
         if long(p) && long(q) && psi.abs() < FRAC_PI_2 {
             Ok((psi, ProjectedAngle { by_before: -angle_gradient(p), by_after: angle_gradient(q) }))
         } else {
-            Err(BadShape::Projection { node, axis })
+            Err(BadShape::Projection { node, axis: ['x', 'y', 'z'][axis] })
         }
     }
 }

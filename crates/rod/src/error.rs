@@ -1,33 +1,16 @@
 //! Errors of the rod.
 
-use crate::model::Scheme;
+use structure::Scheme;
 
 /// Largest rise of energy under constant loads, relative to the largest energy, with the trapezoid and generalised-α.
 pub(crate) const LARGEST_GAIN: f64 = 0.01;
 
 /// Reason why a rod cannot be built, loaded, restored or stepped.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// A value lies outside its range.
-    #[error("{name} is {value}, but it must be {allowed}")]
-    Value {
-        /// Name of the variable.
-        name: String,
-        /// Value, as text.
-        value: String,
-        /// Allowed values, as the end of the sentence "but it must be …".
-        allowed: &'static str,
-    },
-    /// The length of an array does not match the number of nodes or segments.
-    #[error("{name} has {length} entries, but {expected} are needed")]
-    Length {
-        /// Name of the array.
-        name: String,
-        /// Length of the array.
-        length: usize,
-        /// Required length.
-        expected: usize,
-    },
+pub type Error = structure::Error<RodError>;
+
+/// Reason that only a rod has.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+pub enum RodError {
     /// The displaced fluid weighs more than the section.
     #[error(
         "the section weighs {line_density} kg/m and displaces {displaced} kg/m of fluid, but the difference, {} kg/m, \
@@ -39,21 +22,6 @@ pub enum Error {
         /// Mass per length of the displaced fluid, kg/m.
         displaced: f64,
     },
-    /// Newton's method does not converge, even in the smallest sub-step.
-    #[error(
-        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} \
-         iterations; rounding alone may leave {rounding:.3e} N"
-    )]
-    NotConverged {
-        /// Largest component of the residual, N.
-        residual: f64,
-        /// Tolerance of the residual, N.
-        tolerance: f64,
-        /// Bound of the rounding error, N.
-        rounding: f64,
-        /// Iterations of all attempts.
-        iterations: usize,
-    },
     /// The trapezoid or generalised-α gains energy under constant forces, even in the smallest sub-step.
     #[error(
         "{} gains energy: under constant forces the energy of the rod less their work must not rise by more than \
@@ -64,7 +32,7 @@ pub enum Error {
     EnergyGain {
         /// The scheme.
         scheme: Scheme,
-        /// Limit of the energy less the work of the loads, J: [`crate::State::reference_energy`].
+        /// Limit of the energy less the work of the loads, J: [`crate::RodMemory::reference_energy`].
         reference: f64,
         /// Energy less the work of the loads at the end of the failed sub-step, J.
         energy: f64,
@@ -73,6 +41,14 @@ pub enum Error {
         /// Length of the failed sub-step, s.
         dt: f64,
     },
+    /// The shape has no finite bending energy.
+    #[error(transparent)]
+    Shape(#[from] BadShape),
+}
+
+/// Shape without a finite bending energy.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+pub enum BadShape {
     /// The rod folds back on itself.
     #[error(
         "the rod folds back at node {node}: |e1||e2| + e1·e2 of the edges that meet there must be above {limit:.3e} m²"
@@ -96,46 +72,16 @@ pub enum Error {
     },
 }
 
+impl From<BadShape> for Error {
+    fn from(shape: BadShape) -> Self {
+        RodError::Shape(shape).into()
+    }
+}
+
 /// Return the name of a scheme with an energy guard.
 fn name(scheme: &Scheme) -> String {
     match scheme {
         Scheme::GeneralisedAlpha { rho_inf } => format!("generalised_alpha with rho_inf = {rho_inf}"),
         Scheme::Trapezoid | Scheme::TrBdf2 | Scheme::Bdf2 => "trapezoid".into(),
-    }
-}
-
-impl Error {
-    pub(crate) fn value(name: impl Into<String>, value: impl Shown, allowed: &'static str) -> Self {
-        Self::Value { name: name.into(), value: value.shown(), allowed }
-    }
-}
-
-/// Value in a message.
-pub(crate) trait Shown {
-    fn shown(&self) -> String;
-}
-
-impl Shown for f64 {
-    fn shown(&self) -> String {
-        format!("{self:.3e}")
-    }
-}
-
-impl Shown for &[f64] {
-    fn shown(&self) -> String {
-        let numbers: Vec<_> = self.iter().map(Shown::shown).collect();
-        format!("[{}]", numbers.join(", "))
-    }
-}
-
-impl Shown for usize {
-    fn shown(&self) -> String {
-        self.to_string()
-    }
-}
-
-impl Shown for String {
-    fn shown(&self) -> String {
-        self.clone()
     }
 }

@@ -10,8 +10,7 @@
 //! A stage of the time scheme has θ' = c_v (θ − θ_n) + r*, hence M = K θ + B. In series, spring and half segment resist
 //! ψ with the stiffness K k_h / (K + k_h) from the rest angle −B/K. Newton's matrix stays symmetric.
 
-use crate::scheme::StepRule;
-use crate::state::HingeState;
+use structure::{Motion, StepRule};
 
 /// Constants of the spring.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +40,9 @@ impl Hinge {
     }
 
     /// Return the spring at rest under the moment of the rod, N m.
-    pub(crate) fn at_rest(&self, moment: f64) -> HingeState {
+    pub(crate) fn at_rest(&self, moment: f64) -> Motion<f64> {
         let angle = self.rest_angle + moment / self.stiffness;
-        HingeState { angle, rate: 0.0, acceleration: 0.0, previous_angle: angle, previous_rate: 0.0 }
+        Motion { x: angle, v: 0.0, a: 0.0, previous_x: angle, previous_v: 0.0 }
     }
 
     /// Return the energy of the spring at the angle θ, J.
@@ -51,12 +50,12 @@ impl Hinge {
         0.5 * self.stiffness * (angle - self.rest_angle).powi(2)
     }
 
-    /// Return the spring in a stage by `rule` from `state`.
-    pub(crate) fn stage(&self, rule: &StepRule, state: &HingeState) -> StageSpring {
+    /// Return the spring in a stage by `rule` from the motion `now`.
+    pub(crate) fn stage(&self, rule: &StepRule, now: Motion<f64>) -> StageSpring {
         let Self { stiffness, damping, rest_angle, half_segment } = *self;
-        let (rate, _) = rule.at_no_displacement(state.motion());
+        let (rate, _) = rule.at_no_displacement(now);
         let slope = stiffness + damping * rule.c_v;
-        let offset = damping * (rate - rule.c_v * state.angle) - stiffness * rest_angle;
+        let offset = damping * (rate - rule.c_v * now.x) - stiffness * rest_angle;
         StageSpring { slope, offset, half_segment }
     }
 }
@@ -73,12 +72,9 @@ impl StageSpring {
     }
 }
 
-/// Advance `state` to the angle `angle` in a stage by `rule`.
-pub(crate) fn advance(state: &mut HingeState, rule: &StepRule, angle: f64) {
-    let (rate, acceleration) = rule.at_no_displacement(state.motion());
-    let turned = angle - state.angle;
-    (state.previous_angle, state.previous_rate) = (state.angle, state.rate);
-    state.angle = angle;
-    state.rate = turned * rule.c_v + rate;
-    state.acceleration = turned * rule.c_a + acceleration;
+/// Return the motion after a stage by `rule` from the motion `now` to the angle `x`.
+pub(crate) fn advanced(now: Motion<f64>, rule: &StepRule, x: f64) -> Motion<f64> {
+    let (v, a) = rule.at_no_displacement(now);
+    let turned = x - now.x;
+    Motion { x, v: turned * rule.c_v + v, a: turned * rule.c_a + a, previous_x: now.x, previous_v: now.v }
 }

@@ -7,7 +7,7 @@
 //! Nodes are numbered from the root, 0, to the tip, n. A node carries the mass m_k and the length l_k of the half
 //! segments beside it, so the tip of a uniform rod has half the mass of an inner node. The section may vary along the
 //! rod. U is the energy of extension, bending and shear (`elastic`), f the sum of gravity and [`Loads`], and c the
-//! damping. `scheme` describes the time schemes and `newton` the solver. All quantities are in SI units; in two
+//! damping. [`structure`] has the time schemes and `newton` the solver. All quantities are in SI units; in two
 //! dimensions mass, force and energy are per metre of depth.
 
 #![forbid(unsafe_code)]
@@ -18,29 +18,25 @@ mod discretization;
 mod elastic;
 mod error;
 mod hinge;
-mod loads;
+mod memory;
 mod model;
 mod newton;
 mod parameters;
 mod rod;
-mod scheme;
 mod shear;
-mod state;
 mod statics;
 mod step;
-mod vector;
 mod vertex;
+
+pub use structure::{Drive, Exchange, Loads, Scheme, Statistics};
 
 pub use crate::banded::{Banded, Singular};
 pub use crate::base_motion::BaseMotion;
-pub use crate::error::Error;
-pub use crate::loads::Loads;
-pub use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Slide, Taper};
-pub use crate::newton::Statistics;
+pub use crate::error::{BadShape, Error, RodError};
+pub use crate::memory::{RodMemory, RodState};
+pub use crate::model::{Bending, Calibration, RootSupport, Section, Slide, Taper};
 pub use crate::parameters::Parameters;
 pub use crate::rod::{Energy, Rod};
-pub use crate::scheme::{Motion, StepRule, TRAPEZOID_PART};
-pub use crate::state::{Drive, Exchange, HingeState, State};
 pub use crate::vertex::{CosineSlope, Edge, VertexDerivatives};
 
 /// The example of the README, as a test.

@@ -1,4 +1,4 @@
-//! Choices that define the model of a rod: section, bending energy, calibration, support and time scheme.
+//! Choices that define the model of a rod: section, bending energy, calibration and support.
 
 use serde::{Deserialize, Serialize};
 
@@ -94,21 +94,4 @@ pub struct Slide {
     pub axis: usize,
     /// Mass that moves with the root, kg, besides the mass of the rod.
     pub mass: f64,
-}
-
-/// Implicit time scheme; each is of second order in the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Scheme {
-    /// Trapezoidal rule of the thesis (eq. 2.7), without numerical dissipation; unsafe for stiff axial modes.
-    Trapezoid,
-    /// Generalised-α (Chung & Hulbert 1993).
-    GeneralisedAlpha {
-        /// Spectral radius at infinite frequency, 0 … 1.
-        rho_inf: f64,
-    },
-    /// Trapezoid over 2 − √2 of the step, then BDF2 over the rest (Bank et al. 1985; Hosea & Shampine 1996).
-    #[default]
-    TrBdf2,
-    /// Two-step backward differences.
-    Bdf2,
 }

@@ -1,18 +1,20 @@
 //! Newton's method for a stage or for equilibrium.
 //!
-//! With velocities eliminated both are minima of an incremental potential of the displacement u = x − x_0,
+//! With lumped masses the equation of [`Balance`] is the minimum of an incremental potential of u = x − x_0,
 //!
 //! ```text
-//! Π(u) = Σ_k (½ w_k |u_k|² − b_k · u_k) + s U(x_0 + u),      w u − b + s ∇U = 0,
+//! Π(u) = Σ_k (½ d_k |u_k|² − b_k · u_k) + s U(x_0 + u),      d u − b + s ∇U = 0,
 //! ```
 //!
 //! whose Hessian couples each node to two nodes on either side. Plain Newton comes first. If it does not converge, a
 //! shift of the diagonal makes all pivots positive, and Armijo's rule on Π limits the length of the update (Nocedal &
 //! Wright 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
 
+use structure::{Balance, Imbalance, RELATIVE_UPDATE, Residual, Statistics, Vector};
+
 use crate::banded::{Banded, Singular};
-use crate::elastic::{BadShape, Elastic};
-use crate::vector::Vector;
+use crate::elastic::Elastic;
+use crate::{BadShape, Error};
 
 /// Maximum number of plain iterations: 1 … 4 are usual, about ten occur in a long step of a very stiff rod.
 const PLAIN_ITERATIONS: usize = 15;
@@ -20,14 +22,6 @@ const PLAIN_ITERATIONS: usize = 15;
 const GUARDED_ITERATIONS: usize = 100;
 /// Tolerance of the residual, relative to the largest force in the rod.
 const RELATIVE_RESIDUAL: f64 = 1e-10;
-/// Tolerance of the last update, relative to the length of the rod.
-const RELATIVE_UPDATE: f64 = 1e-13;
-/// Rounding error of a position, relative to the largest coordinate.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Largest change of an edge, relative to its length, after which a residual counts as rounding.
-///
-/// The next update would be of the order of its square.
-const SETTLED_UPDATE: f64 = 1e-4;
 /// Share of the predicted decrease of Π in Armijo's rule.
 const ARMIJO: f64 = 1e-4;
 /// Rounding of Π, relative to its terms.
@@ -39,16 +33,6 @@ const LARGEST_SHIFT: f64 = 1e2;
 /// Maximum number of halvings in the line search.
 const BACKTRACKS: usize = 40;
 
-/// w, b and s of the incremental potential, for the nodes 0 … n; the entries of a held node 0 are unused.
-pub(crate) struct Balance<const D: usize> {
-    /// w_k, N/m: `[n + 1]`.
-    pub(crate) weight: Vec<f64>,
-    /// b_k, N: `[n + 1]`.
-    pub(crate) load: Vec<Vector<D>>,
-    /// s.
-    pub(crate) elastic_weight: f64,
-}
-
 /// Problem: minimise Π over u = x − origin, with node 0 held unless it is free.
 #[derive(Clone, Copy)]
 pub(crate) struct Problem<'a, const D: usize> {
@@ -58,21 +42,6 @@ pub(crate) struct Problem<'a, const D: usize> {
     pub(crate) origin: &'a [Vector<D>],
 }
 
-/// Effort of the last step or of the last search for equilibrium.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Newton iterations, including failed attempts.
-    pub iterations: usize,
-    /// Sub-steps.
-    pub substeps: usize,
-    /// Halvings of sub-steps that failed or gained energy.
-    pub halvings: usize,
-    /// Solves that needed shift and line search.
-    pub rescues: usize,
-    /// Largest number of negative pivots in a Newton matrix; above 0 the step is too long.
-    pub negative_pivots: usize,
-}
-
 /// Kind of update.
 #[derive(Clone, Copy)]
 enum Update {
@@ -80,44 +49,6 @@ enum Update {
     Plain,
     /// Update with a shifted diagonal and a line search.
     Guarded,
-}
-
-/// Reason of a failed solve.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Failure {
-    NotConverged(Imbalance),
-    BadShape(BadShape),
-    /// Rise of the energy less the work of constant loads, J.
-    Gain {
-        reference: f64,
-        energy: f64,
-        largest: f64,
-        /// Length of the sub-step, s.
-        dt: f64,
-    },
-}
-
-/// Residual of a shape.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Imbalance {
-    /// Largest component of ∇Π, N.
-    pub(crate) residual: f64,
-    /// Tolerance, N.
-    pub(crate) tolerance: f64,
-    /// Bound of the rounding error, N.
-    pub(crate) rounding: f64,
-}
-
-impl From<Imbalance> for Failure {
-    fn from(imbalance: Imbalance) -> Self {
-        Self::NotConverged(imbalance)
-    }
-}
-
-impl From<BadShape> for Failure {
-    fn from(shape: BadShape) -> Self {
-        Self::BadShape(shape)
-    }
 }
 
 /// Solver with its scratch.
@@ -181,7 +112,7 @@ impl<const D: usize> Newton<D> {
         problem: Problem<D>,
         x: &mut [Vector<D>],
         statistics: &mut Statistics,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         self.before.copy_from_slice(x);
         let Err(plain) = self.iterate(problem, x, statistics, Update::Plain) else { return Ok(()) };
         statistics.rescues += 1;
@@ -198,8 +129,8 @@ impl<const D: usize> Newton<D> {
         }
         // The line search stops in front of the bad shape that the plain method met.
         self.iterate(problem, x, statistics, Update::Guarded).map_err(|guarded| match plain {
-            Failure::BadShape(_) => plain,
-            Failure::NotConverged(_) | Failure::Gain { .. } => guarded,
+            Error::Own(_) => plain,
+            _ => guarded,
         })
     }
 
@@ -209,7 +140,7 @@ impl<const D: usize> Newton<D> {
         x: &mut [Vector<D>],
         statistics: &mut Statistics,
         kind: Update,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         let limit = match kind {
             Update::Plain => PLAIN_ITERATIONS,
             Update::Guarded => GUARDED_ITERATIONS,
@@ -219,34 +150,31 @@ impl<const D: usize> Newton<D> {
             // The first guess always gets one update, or the tolerance would hide a small load.
             if iteration > 0 {
                 let imbalance = self.find_descent(problem, x)?;
-                let rounding = if allowed * SETTLED_UPDATE >= 1.0 { imbalance.rounding } else { 0.0 };
-                if imbalance.residual <= imbalance.tolerance + rounding {
+                if imbalance.is_met(allowed) {
                     break;
                 }
                 if iteration == limit {
-                    return Err(imbalance.into());
+                    return Err(imbalance.error(statistics));
                 }
             }
             statistics.iterations += 1;
+            statistics.factorisations += 1;
             self.assemble(problem, x)?;
             match (self.factorise(), kind) {
                 (Ok(0), _) => shift = 0.0,
                 (Ok(negative_pivots), Update::Plain) => {
                     statistics.negative_pivots = statistics.negative_pivots.max(negative_pivots);
                 }
-                (Err(Singular), Update::Plain) => return Err(self.failure(problem, x)),
+                (Err(Singular), Update::Plain) => return Err(self.failure(problem, x, statistics)),
                 (_, Update::Guarded) => {
                     let Some(found) = self.factorise_shifted(problem, x, 0.1 * shift) else {
-                        return Err(self.failure(problem, x));
+                        return Err(self.failure(problem, x, statistics));
                     };
                     shift = found;
                 }
             }
-            let mut update = std::mem::take(&mut self.update);
-            update.copy_from_slice(&self.descent);
-            self.solve_factorised(&mut update);
-            self.update = update;
-
+            self.update.copy_from_slice(&self.descent);
+            self.solve_factorised();
             // Share of the update that changes no edge by more than its own length.
             allowed = problem.elastic.segment_length / self.edge_change();
             let taken = match kind {
@@ -258,7 +186,7 @@ impl<const D: usize> Newton<D> {
                 Update::Guarded => self.search(problem, x, allowed.min(1.0)),
             };
             if !taken {
-                return Err(self.failure(problem, x));
+                return Err(self.failure(problem, x, statistics));
             }
             // A shift shortens updates, so a short update proves nothing.
             let update = self.update.iter().fold(0.0_f64, |largest, entry| entry.abs().max(largest));
@@ -270,29 +198,24 @@ impl<const D: usize> Newton<D> {
     }
 
     /// Return the failure at `x`.
-    fn failure(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Failure {
-        self.find_descent(problem, x).map_or_else(Failure::from, Failure::from)
+    fn failure(&mut self, problem: Problem<D>, x: &[Vector<D>], statistics: &Statistics) -> Error {
+        self.find_descent(problem, x).map_or_else(Error::from, |imbalance| imbalance.error(statistics))
     }
 
     /// Write −∇Π at `x` to `descent` and return the residual.
     fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
         let Self { descent, moments, first, slide, .. } = self;
-        // Largest components of ∇Π and of the forces against the elastic forces. `larger` skips NaN, `sum` does not.
-        let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
+        let mut residual = Residual::default();
         problem.elastic.gradient(x, moments, |k, gradient| {
             let of_node = problem.outer(k, x);
-            let mut descent_of_node = of_node - gradient * problem.balance.elastic_weight;
+            let mut descent_of_node = of_node - gradient * problem.balance.elastic;
             if let (0, Some(axis)) = (k, *slide) {
                 descent_of_node = kept(Vector::zeros(), axis, descent_of_node);
             }
-            residual = larger(residual, descent_of_node);
-            outer = larger(larger(outer, of_node), problem.balance.load[k]);
-            sum += descent_of_node.sum();
+            residual.add(descent_of_node, of_node, problem.balance.load[k]);
             descent[(k - *first) * D..][..D].copy_from_slice(descent_of_node.as_slice());
         })?;
-        let rounding = ROUNDING * self.extent * self.stiffness;
-        let residual = if sum.is_nan() { f64::INFINITY } else { residual };
-        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer, rounding })
+        Ok(residual.imbalance(RELATIVE_RESIDUAL, self.extent, self.stiffness))
     }
 
     /// Write ∇∇Π at `x` to `matrix` and −∇Π to `descent`.
@@ -300,7 +223,7 @@ impl<const D: usize> Newton<D> {
         let Self { matrix, moments, descent, stiffness, first: first_node, .. } = self;
         let first_node = *first_node;
         let Problem { elastic, balance, .. } = problem;
-        let s = balance.elastic_weight;
+        let s = balance.elastic;
         // Unknowns of a node; with shear the first is a moment.
         let first = usize::from(elastic.shear.is_some());
         let block = first + D;
@@ -326,7 +249,7 @@ impl<const D: usize> Newton<D> {
                 for (i, entry) in own.iter_mut().enumerate() {
                     *entry = s * by.own[(j + i, j)];
                 }
-                own[0] += balance.weight[k];
+                own[0] += balance.diagonal[k];
                 *stiffness =
                     stiffness.max(own[0].abs() + sheared * by.turns.iter().map(|turn| turn[j] * turn[j]).sum::<f64>());
                 if first == 1 {
@@ -361,22 +284,23 @@ impl<const D: usize> Newton<D> {
     /// Factorise `matrix` and return the number of negative eigenvalues of ∇∇Π.
     ///
     /// Each unknown moment adds a negative eigenvalue to the mixed matrix.
-    pub(crate) fn factorise(&mut self) -> Result<usize, Singular> {
+    fn factorise(&mut self) -> Result<usize, Singular> {
         self.matrix.factorise().map(|negative| negative.saturating_sub(self.mixed.len() / (D + 1)))
     }
 
-    /// Replace `b`, `[n D]`, by the solution of the factorised matrix.
-    pub(crate) fn solve_factorised(&mut self, b: &mut [f64]) {
-        if self.mixed.is_empty() {
-            return self.matrix.solve(b);
+    /// Replace the right-hand side in `update` by the solution of the factorised matrix.
+    fn solve_factorised(&mut self) {
+        let Self { matrix, mixed, update, .. } = self;
+        if mixed.is_empty() {
+            return matrix.solve(update);
         }
-        for (mixed, b) in self.mixed.chunks_exact_mut(D + 1).zip(b.chunks_exact(D)) {
+        for (mixed, update) in mixed.chunks_exact_mut(D + 1).zip(update.chunks_exact(D)) {
             mixed[0] = 0.0;
-            mixed[1..].copy_from_slice(b);
+            mixed[1..].copy_from_slice(update);
         }
-        self.matrix.solve(&mut self.mixed);
-        for (mixed, b) in self.mixed.chunks_exact(D + 1).zip(b.chunks_exact_mut(D)) {
-            b.copy_from_slice(&mixed[1..]);
+        matrix.solve(mixed);
+        for (mixed, update) in mixed.chunks_exact(D + 1).zip(update.chunks_exact_mut(D)) {
+            update.copy_from_slice(&mixed[1..]);
         }
     }
 
@@ -451,27 +375,21 @@ pub(crate) fn kept<const D: usize>(mut vector: Vector<D>, axis: usize, free: Vec
     vector
 }
 
-/// Return the largest of a number and the magnitudes of a vector; skip NaN. Each comparison is one instruction.
-#[inline(always)]
-fn larger<const D: usize>(largest: f64, vector: Vector<D>) -> f64 {
-    vector.iter().fold(largest, |largest, component| if component.abs() > largest { component.abs() } else { largest })
-}
-
 impl<const D: usize> Problem<'_, D> {
     /// Return the force against the elastic force on node `k` of the shape `x`, N.
     #[inline(always)]
     fn outer(&self, k: usize, x: &[Vector<D>]) -> Vector<D> {
-        self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.weight[k]
+        self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.diagonal[k]
     }
 
     /// Return Π and its expected rounding error, J; `None` if the shape `x` has no energy.
     fn potential(&self, x: &[Vector<D>]) -> Option<(f64, f64)> {
-        let Balance { weight, load, elastic_weight } = self.balance;
+        let Balance { diagonal, load, elastic, .. } = self.balance;
         let energy = self.elastic.energy(x).ok()?;
-        let (mut potential, mut size) = (elastic_weight * (energy.stretching + energy.bending), 0.0);
+        let (mut potential, mut size) = (elastic * (energy.stretching + energy.bending), 0.0);
         for (k, (x, origin)) in x.iter().zip(self.origin).enumerate().skip(self.elastic.first) {
             let u = x - origin;
-            let inertia = 0.5 * weight[k] * u.norm_squared();
+            let inertia = 0.5 * diagonal[k] * u.norm_squared();
             let work = load[k].dot(&u);
             potential += inertia - work;
             size += inertia + work.abs();

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use crate::Error;
-use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Slide, Taper};
-use crate::vector::Vector;
+use structure::{Scheme, Vector, not_negative, positive};
+
+use crate::model::{Bending, Calibration, RootSupport, Section, Slide, Taper};
+use crate::{Error, RodError};
 
 /// Tolerance of the ratios of a taper, for rounding.
 const RATIO_ROUNDING: f64 = 1e-14;
@@ -91,70 +92,42 @@ impl<const D: usize> Parameters<D> {
 
     /// Refuse values outside their ranges and combinations that the model does not have.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = self.section;
-        for (name, vector) in
-            [("attachment", self.attachment), ("direction", self.direction), ("gravity", self.gravity)]
-        {
-            if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(name, &vector[..], "finite"));
-            }
-        }
+        structure::finite("attachment", &self.attachment)?;
+        structure::finite("direction", &self.direction)?;
+        structure::finite("gravity", &self.gravity)?;
         let direction = Vector::from(self.direction).norm();
         if !(direction.is_normal()) {
             return Err(Error::value("direction", &self.direction[..], "a vector of any length but 0"));
         }
-        let k_e = match self.calibration {
-            Calibration::SecondOrder => None,
-            Calibration::Thesis { k_e } => Some(("calibration.thesis.k_e", k_e)),
-        };
-        for (name, value) in [
-            ("length", self.length),
-            ("section.line_density", line_density),
-            ("section.bending_stiffness", bending_stiffness),
-            ("section.axial_stiffness", axial_stiffness),
-        ]
-        .into_iter()
-        .chain(k_e)
-        .chain(shear_stiffness.map(|shear| ("section.shear_stiffness", shear)))
-        .chain(self.max_step.map(|longest| ("max_step", longest)))
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::value(name, value, "a finite number above 0"));
-            }
+        positive("length", self.length)?;
+        positive("section.line_density", self.section.line_density)?;
+        positive("section.bending_stiffness", self.section.bending_stiffness)?;
+        positive("section.axial_stiffness", self.section.axial_stiffness)?;
+        if let Calibration::Thesis { k_e } = self.calibration {
+            positive("calibration.thesis.k_e", k_e)?;
         }
-        for (name, value) in [
-            ("displaced", self.displaced),
-            ("damping", self.damping),
-            ("clamp_compliance_length", self.clamp_compliance_length),
-            ("strain_per_pressure", self.strain_per_pressure),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::value(name, value, "a finite number of at least 0"));
-            }
-        }
+        self.section.shear_stiffness.map_or(Ok(()), |shear| positive("section.shear_stiffness", shear))?;
+        self.max_step.map_or(Ok(()), |longest| positive("max_step", longest))?;
+        not_negative("displaced", self.displaced)?;
+        not_negative("damping", self.damping)?;
+        not_negative("clamp_compliance_length", self.clamp_compliance_length)?;
+        not_negative("strain_per_pressure", self.strain_per_pressure)?;
         if self.segments < 2 {
             return Err(Error::value("segments", self.segments, "at least 2"));
         }
         self.check_taper()?;
         self.check_support()?;
-        if let Some(shear) = shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {
+        if let Some(shear) = self.section.shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {
             let only = "absent: only a rod in the plane with invariant bending has shear";
             return Err(Error::value("section.shear_stiffness", shear, only));
         }
         self.check_rest_shape()?;
-        match self.scheme {
-            Scheme::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
-                Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
-            }
-            _ => Ok(()),
-        }
+        self.scheme.check()
     }
 
     fn check_support(&self) -> Result<(), Error> {
         if let RootSupport::TorsionSpring { stiffness, damping, rest_angle } = self.support {
-            if !(stiffness.is_finite() && stiffness > 0.0) {
-                return Err(Error::value("support.stiffness", stiffness, "a finite number above 0"));
-            }
+            positive("support.stiffness", stiffness)?;
             if !(damping.is_finite() && damping >= 0.0 && (D == 2 || damping == 0.0)) {
                 return Err(Error::value("support.damping", damping, "a finite number of at least 0, and 0 in space"));
             }
@@ -175,10 +148,7 @@ impl<const D: usize> Parameters<D> {
                            calibration of the thesis";
             return Err(Error::value("slide", found, allowed));
         }
-        if !(mass.is_finite() && mass >= 0.0) {
-            return Err(Error::value("slide.mass", mass, "a finite number of at least 0"));
-        }
-        Ok(())
+        not_negative("slide.mass", mass)
     }
 
     fn check_taper(&self) -> Result<(), Error> {
@@ -191,23 +161,21 @@ impl<const D: usize> Parameters<D> {
             ("taper.shear_stiffness", shear_stiffness),
         ] {
             let expected = 2 * self.segments + 1;
-            if !ratios.is_empty() && ratios.len() != expected {
-                return Err(Error::Length { name: name.into(), length: ratios.len(), expected });
+            if !ratios.is_empty() {
+                Error::check_length(name, ratios.len(), expected)?;
             }
-            if let Some(i) = ratios.iter().position(|ratio| !(ratio.is_finite() && *ratio > 0.0)) {
-                return Err(Error::value(format!("{name}[{i}]"), ratios[i], "a finite number above 0"));
-            }
+            ratios.iter().enumerate().try_for_each(|(i, &ratio)| positive(format!("{name}[{i}]"), ratio))?;
         }
         if self.calibration != Calibration::SecondOrder && self.taper != Taper::default() {
             let allowed = "empty with the calibration of the thesis, which has a uniform rod";
-            return Err(Error::value("taper", "given".to_string(), allowed));
+            return Err(Error::value("taper", "given", allowed));
         }
         for i in 0..=2 * self.segments {
             let [line_density, displaced] = [(self.section.line_density, line_density), (self.displaced, displaced)]
                 .map(|(root, profile)| root * Taper::at(profile, i));
             let rounding = if i == 0 { 0.0 } else { RATIO_ROUNDING * displaced };
             if displaced > line_density + rounding {
-                return Err(Error::NegativeMass { line_density, displaced });
+                return Err(RodError::NegativeMass { line_density, displaced }.into());
             }
         }
         Ok(())
@@ -223,10 +191,7 @@ impl<const D: usize> Parameters<D> {
             let allowed = "empty in space, where a curved rod needs a material frame";
             return Err(Error::value("rest_angles", found, allowed));
         }
-        if angles.len() != self.segments {
-            let name = "rest_angles".into();
-            return Err(Error::Length { name, length: angles.len(), expected: self.segments });
-        }
+        Error::check_length("rest_angles", angles.len(), self.segments)?;
         match self.rest_turns().iter().position(|turn| !turn.is_finite() || turn.abs() >= PI) {
             Some(k) => Err(Error::value(
                 format!("rest_angles[{k}]"),

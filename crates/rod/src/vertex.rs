@@ -3,8 +3,7 @@
 //! An edge e has the length l and the unit tangent t = e/l; c = t_1 · t_2 is the cosine of the turning angle ψ.
 
 use nalgebra::{SMatrix, Vector2};
-
-use crate::vector::{Matrix, Vector};
+use structure::{Matrix, Vector};
 
 /// Angle below which functions of ψ use their series, rad.
 const SMALL_ANGLE: f64 = 1e-2;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{turek_hron_bar, unit_rod};
-use nervure_rod::{Bending, Calibration, Error, Loads, Parameters, Rod, Scheme, Section, State};
+use nervure_rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RodState, Scheme, Section};
 
 fn bar() -> Parameters<2> {
     turek_hron_bar(5.6e6, 2.0, 4)
@@ -156,7 +156,7 @@ fn step_too_short_for_any_digit_ends_with_an_error_and_the_state_as_it_was() {
 fn bad_states_are_named() {
     let mut rod = Rod::new(bar()).unwrap();
     let good = rod.state().clone();
-    let edit = |change: fn(&mut State<2>)| {
+    let edit = |change: fn(&mut RodState<2>)| {
         let mut state = good.clone();
         change(&mut state);
         state
@@ -170,8 +170,8 @@ fn bad_states_are_named() {
         ),
         (edit(|s| s.velocities[0][1] = 0.1), ["state.velocities[0] is [0.000e0, 1.000e-1]", "0 at a root at rest"]),
         (edit(|s| s.last_step = -1.0), ["state.last_step is -1", "at least 0"]),
-        (edit(|s| s.reference_energy = f64::INFINITY), ["state.reference_energy is inf", "finite"]),
-        (edit(|s| s.largest_energy = -1.0), ["state.largest_energy is -1", "at least 0 J"]),
+        (edit(|s| s.own.reference_energy = f64::INFINITY), ["state.reference_energy is inf", "finite"]),
+        (edit(|s| s.own.largest_energy = -1.0), ["state.largest_energy is -1", "at least 0 J"]),
         (edit(|s| s.positions[2] = s.positions[0]), ["folds back at node 1", "must be above"]),
     ] {
         assert_names(&rod.restore(&state).unwrap_err(), &parts);

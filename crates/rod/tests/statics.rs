@@ -335,7 +335,7 @@ fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
 fn pressure_of_the_wrong_number_and_a_state_without_it_are_refused() {
     let mut rod = strained_bar(1.4e6, 2e-7);
     let other = strained_bar(1.4e6, 0.0);
-    assert!(other.state().pressure.is_empty());
+    assert!(other.state().own.pressure.is_empty());
     let error = rod.restore(other.state()).unwrap_err().to_string();
     assert!(error.contains("state.pressure has 0 entries") && error.contains("43 are needed"), "{error}");
     rod.loads.pressure.push(1.0);
@@ -355,7 +355,7 @@ fn pressure_strains_the_bar_with_the_lag_of_its_first_axial_mode() {
         for _ in 0..3 {
             bar.step(length_of_step * period).unwrap();
             expected += (7.0 - expected) * (1.0 - (-length_of_step).exp());
-            let found = bar.state().pressure[20];
+            let found = bar.state().own.pressure[20];
             assert!((found - expected).abs() < 1e-9, "{young}: {found} against {expected}");
         }
     }

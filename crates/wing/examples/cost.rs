@@ -5,7 +5,7 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use nervure_wing::{Error, Membrane, Parameters, Root, rectangle};
+use nervure_wing::{Error, Membrane, Parameters, Root, WingError, rectangle};
 
 fn main() -> Result<(), Error> {
     println!("nodes,unknowns,factor,iterations,factorisations,step_ms,factorise_ms");
@@ -24,7 +24,7 @@ fn main() -> Result<(), Error> {
         }
         let [unknowns, factor] = wing.size_of_system();
         let factorise = (0..steps).try_fold(0.0, |sum, _| {
-            Ok::<_, Error>(sum + time(|| wing.factorise_once().then_some(()).ok_or(Error::Singular))?)
+            Ok::<_, Error>(sum + time(|| wing.factorise_once().then_some(()).ok_or(WingError::Singular.into()))?)
         })?;
         println!(
             "{},{unknowns},{factor},{:.1},{:.1},{:.2},{:.2}",

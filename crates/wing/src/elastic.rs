@@ -9,7 +9,7 @@ use crate::parameters::{Parameters, Support, Vein};
 use crate::plate::{Hinge, Side, compliance};
 use crate::sparse::Symmetric;
 use crate::vein::{Segment, Vertex};
-use crate::{Energy, Error};
+use crate::{Energy, Error, WingError};
 
 /// Largest turn of a vein at rest, rad: an angle from coordinates in single precision.
 const STRAIGHT: f64 = 1e-6;
@@ -51,19 +51,6 @@ pub(crate) struct Elastic {
     pub(crate) tensions: Vec<f64>,
 }
 
-/// Shape without a finite energy.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BadShape {
-    pub(crate) nodes: [usize; 2],
-    pub(crate) what: &'static str,
-}
-
-impl From<BadShape> for Error {
-    fn from(BadShape { nodes, what }: BadShape) -> Self {
-        Self::Fold { nodes, what }
-    }
-}
-
 impl Elastic {
     /// Return the springs at rest; `held` tells the held nodes.
     pub(crate) fn new(parameters: &Parameters, held: &[bool]) -> Result<Self, Error> {
@@ -78,11 +65,11 @@ impl Elastic {
         let mut bending = vec![Matrix3::zeros(); faces.len()];
         for t in triangles.filter(|&t| face_hinges[t].iter().any(Option::is_some)) {
             let &crate::Membrane { bending_stiffness, poisson_ratio, .. } = parameters.membrane(t);
-            let own = compliance(&faces[t], corners(t), bending_stiffness, poisson_ratio).ok_or(Error::Singular)?;
+            let own = compliance(&faces[t], corners(t), bending_stiffness, poisson_ratio).ok_or(WingError::Singular)?;
             // The moment of an edge without a hinge is 0, so its rows and columns are left out.
             let on = face_hinges[t].map(|hinge| hinge.is_some());
             let among = Matrix3::from_fn(|i, j| if on[i] && on[j] { own[(i, j)] } else { f64::from(i == j) });
-            let inverse = among.try_inverse().ok_or(Error::Singular)?;
+            let inverse = among.try_inverse().ok_or(WingError::Singular)?;
             bending[t] = Matrix3::from_fn(|i, j| if on[i] && on[j] { inverse[(i, j)] } else { 0.0 });
             for (i, hinge_i) in face_hinges[t].iter().enumerate() {
                 for (j, hinge_j) in face_hinges[t].iter().enumerate() {
@@ -113,7 +100,7 @@ impl Elastic {
                 matrix.values[place] += value;
             }
             if !matrix.factorise() {
-                return Err(Error::Singular);
+                return Err(WingError::Singular.into());
             }
             compliance = Some(matrix);
         }
@@ -153,7 +140,7 @@ impl Elastic {
     }
 
     /// Find normals, angles and moments of the shape `x`, with velocities if they matter.
-    pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), BadShape> {
+    pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), WingError> {
         self.find_turns(x)?;
         if self.without_rates && rates.is_none() {
             return Ok(());
@@ -190,7 +177,7 @@ impl Elastic {
     }
 
     /// Find normals and angles of the shape `x`, if they are not those of the last shape.
-    fn find_turns(&mut self, x: &[Vector]) -> Result<(), BadShape> {
+    fn find_turns(&mut self, x: &[Vector]) -> Result<(), WingError> {
         if self.found_at.0 == x && self.found_at.1 == self.support {
             return Ok(());
         }
@@ -198,13 +185,13 @@ impl Elastic {
         self.without_rates = false;
         for (shape, face) in self.shapes.iter_mut().zip(&self.faces) {
             let [a, b, _] = face.nodes;
-            let lost = BadShape { nodes: [a, b], what: "a triangle there has lost its area" };
+            let lost = WingError::Fold { nodes: [a, b], what: "a triangle there has lost its area" };
             *shape = FaceShape::new(face.nodes.map(|k| x[k])).ok_or(lost)?;
         }
         self.turns.clear();
         for hinge in &self.hinges {
             let [a, b] = hinge.nodes;
-            let folded = BadShape {
+            let folded = WingError::Fold {
                 nodes: [a, b],
                 what: "the triangles beside this edge turn by more than 160°; stiffer bending helps",
             };
@@ -216,7 +203,7 @@ impl Elastic {
     }
 
     /// Return the elastic energies of the shape `x`; the others are 0.
-    pub(crate) fn energy(&mut self, x: &[Vector]) -> Result<Energy, BadShape> {
+    pub(crate) fn energy(&mut self, x: &[Vector]) -> Result<Energy, WingError> {
         self.update(x, None)?;
         let stretching: f64 = self.faces.iter().map(|face| face.energy(x)).sum();
         let turns = self.turns.iter().zip(&self.hinges).zip(&self.moments);
@@ -232,7 +219,7 @@ impl Elastic {
     }
 
     /// Write ∂U/∂x plus the viscous forces in the shape `x` that moves at `v` to `gradient`, N: `[nodes]`.
-    pub(crate) fn gradient(&mut self, x: &[Vector], v: &[Vector], gradient: &mut [Vector]) -> Result<(), BadShape> {
+    pub(crate) fn gradient(&mut self, x: &[Vector], v: &[Vector], gradient: &mut [Vector]) -> Result<(), WingError> {
         let rates = self.rates(v);
         self.update(x, rates)?;
         gradient.fill(Vector::zeros());
@@ -265,18 +252,18 @@ impl Elastic {
     }
 
     /// Remember the angles of the hinges in the shape `x`.
-    pub(crate) fn set_angles(&mut self, x: &[Vector]) -> Result<(), BadShape> {
+    pub(crate) fn set_angles(&mut self, x: &[Vector]) -> Result<(), WingError> {
         self.find_turns(x)?;
         self.turns_before.copy_from_slice(&self.turns);
         Ok(())
     }
 
     /// Refuse the last shape if a hinge has turned too far from the angle that is remembered.
-    pub(crate) fn check_angles(&self) -> Result<(), BadShape> {
+    pub(crate) fn check_angles(&self) -> Result<(), WingError> {
         let turned = self.turns.iter().zip(&self.turns_before).map(|(turn, before)| (turn - before).abs());
         match turned.zip(&self.hinges).find(|(turned, _)| *turned > MOST_TURN) {
             None => Ok(()),
-            Some((_, &Hinge { nodes: [a, b], .. })) => Err(BadShape {
+            Some((_, &Hinge { nodes: [a, b], .. })) => Err(WingError::Fold {
                 nodes: [a, b],
                 what: "the triangles beside this edge turn by 45° in a sub-step; shorter steps help",
             }),
@@ -340,8 +327,8 @@ impl Elastic {
     }
 }
 
-pub(crate) fn folded(vertex: &Vertex) -> BadShape {
-    BadShape { nodes: vertex.nodes, what: "a vein folds back there" }
+pub(crate) fn folded(vertex: &Vertex) -> WingError {
+    WingError::Fold { nodes: vertex.nodes, what: "a vein folds back there" }
 }
 
 /// Return the edges with moments, and the hinge opposite to each corner of each triangle.
@@ -398,7 +385,11 @@ fn add_vein(
     for (j, edge) in edges.iter().enumerate() {
         let length = edge.norm();
         if !length.is_normal() {
-            return Err(Error::value(format!("veins.{}.nodes", vein.name), &vein.nodes, "nodes at different places"));
+            return Err(Error::value(
+                format!("veins.{}.nodes", vein.name),
+                &vein.nodes[..],
+                "nodes at different places",
+            ));
         }
         // Simpson's rule for μ and the diameter at the middle for EA.
         let [start, end] = [vein.diameter_at(j), vein.diameter_at(j + 1)];

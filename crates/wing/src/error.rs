@@ -1,28 +1,11 @@
 //! Errors of the wing.
 
 /// Reason why a wing cannot be built, loaded, restored or stepped.
-#[derive(Debug, thiserror::Error)]
-pub enum Error {
-    /// A value lies outside its range.
-    #[error("{name} is {value}, but it must be {allowed}")]
-    Value {
-        /// Name of the variable.
-        name: String,
-        /// Value, as text.
-        value: String,
-        /// Allowed values, as the end of the sentence "but it must be …".
-        allowed: &'static str,
-    },
-    /// The length of an array does not match the number of nodes or triangles.
-    #[error("{name} has {length} entries, but {expected} are needed")]
-    Length {
-        /// Name of the array.
-        name: String,
-        /// Length of the array.
-        length: usize,
-        /// Required length.
-        expected: usize,
-    },
+pub type Error = structure::Error<WingError>;
+
+/// Reason that only a wing has.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+pub enum WingError {
     /// An edge belongs to more than two triangles, or to two that run in the same direction.
     #[error(
         "the edge between nodes {} and {} belongs to {triangles} triangles in the direction of triangle {triangle}, \
@@ -35,19 +18,6 @@ pub enum Error {
         triangles: usize,
         /// Last of the triangles.
         triangle: usize,
-    },
-    /// Newton's method does not converge, even in the smallest sub-step.
-    #[error(
-        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} \
-         iterations"
-    )]
-    NotConverged {
-        /// Largest component of the residual, N.
-        residual: f64,
-        /// Tolerance of the residual, N.
-        tolerance: f64,
-        /// Iterations of all attempts.
-        iterations: usize,
     },
     /// Two neighbouring triangles or two segments of a vein fold onto each other, or a triangle loses its area.
     #[error("the wing folds at nodes {} and {}: {what}", nodes[0], nodes[1])]
@@ -71,10 +41,4 @@ pub enum Error {
     /// The matrix of the wing is singular: a part of it is not held, or it buckles.
     #[error("the stiffness of the wing is singular: a part of it is not held, or it buckles under its loads")]
     Singular,
-}
-
-impl Error {
-    pub(crate) fn value(name: impl Into<String>, value: impl std::fmt::Debug, allowed: &'static str) -> Self {
-        Self::Value { name: name.into(), value: format!("{value:?}"), allowed }
-    }
 }

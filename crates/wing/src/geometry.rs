@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use mesh::Mesh;
 use nalgebra::Vector3;
 
-use crate::Error;
+use crate::{Error, WingError};
 
 /// A point, a velocity or a force.
 pub(crate) type Vector = Vector3<f64>;
@@ -46,7 +46,7 @@ impl Geometry for Mesh {
                 match edges.get_mut(place) {
                     None => edges.push(MeshEdge { nodes, first: (t, i), second: None }),
                     Some(edge) if edge.second.is_none() && edge.nodes[0] == nodes[1] => edge.second = Some((t, i)),
-                    Some(_) => return Err(Error::Edge { nodes, triangles: 2, triangle: t }),
+                    Some(_) => return Err(WingError::Edge { nodes, triangles: 2, triangle: t }.into()),
                 }
             }
         }
@@ -59,19 +59,23 @@ impl Geometry for Mesh {
             return Err(Error::value("mesh.nodes", count, "at least 2 nodes"));
         }
         if let Some(k) = self.nodes.iter().position(|x| x.iter().any(|c| !c.is_finite())) {
-            return Err(Error::value(format!("mesh.nodes[{k}]"), self.nodes[k], "finite"));
+            return Err(Error::value(format!("mesh.nodes[{k}]"), &self.nodes[k][..], "finite"));
         }
         for (t, corners) in self.triangles.iter().enumerate() {
             let name = || format!("mesh.triangles[{t}]");
             if corners.iter().any(|&k| k >= count) {
-                return Err(Error::value(name(), corners, "three numbers of nodes, counted from 0"));
+                return Err(Error::value(name(), &corners[..], "three numbers of nodes, counted from 0"));
             }
             let [a, b, c] = corners.map(|k| self.node(k));
             let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
             // A triangle of less height has no reliable normal.
             let height = (b - a).cross(&(c - a)).norm() / (longest * longest);
             if height.is_nan() || height <= 1e-6 {
-                return Err(Error::value(name(), corners, "a triangle with a height above 1e-6 of its longest edge"));
+                return Err(Error::value(
+                    name(),
+                    &corners[..],
+                    "a triangle with a height above 1e-6 of its longest edge",
+                ));
             }
         }
         Ok(())

@@ -8,24 +8,22 @@
 //! constant-strain triangles with the law of St. Venant–Kirchhoff and an isotropic pretension ([`Membrane`]). It
 //! bends as a plate of Kirchhoff with constant moments in each triangle and hinges at the edges (`plate`). Veins are
 //! chains of nodes with the springs of the elastic rod ([`rod`]). The root is free, or it is held and moves as a
-//! rigid body ([`Pose`]). Time schemes are the schemes of the rod. All quantities are in SI units.
+//! rigid body ([`RigidMotion`]). Time schemes are those of [`structure`]. All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
+mod base;
 mod elastic;
 mod error;
 mod face;
 mod frames;
 mod geometry;
-mod loads;
 mod modes;
 mod newton;
 mod parameters;
 mod plate;
-mod pose;
 mod section;
 mod sparse;
-mod state;
 mod statics;
 mod step;
 mod supernodes;
@@ -33,15 +31,13 @@ mod system;
 mod vein;
 mod wing;
 
-pub use crate::error::Error;
-pub use crate::loads::Loads;
-pub use crate::newton::Statistics;
-pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
-pub use crate::pose::Pose;
-pub use crate::state::State;
-pub use crate::wing::{Energy, Wing};
 pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
-pub use rod::Scheme;
+pub use structure::{Drive, Exchange, Loads, Scheme, Statistics};
+
+pub use crate::base::{RigidMotion, WingState};
+pub use crate::error::{Error, WingError};
+pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
+pub use crate::wing::{Energy, Wing};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -2,10 +2,10 @@
 //! Eng. 6, 213).
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use structure::Balance;
 
 use crate::geometry::Vector;
-use crate::system::Weights;
-use crate::{Error, Wing};
+use crate::{Error, Wing, WingError};
 
 /// Maximum number of iterations.
 const ITERATIONS: usize = 200;
@@ -21,21 +21,20 @@ impl Wing {
         let nodes = self.nodes();
         let free = self.newton.system.positions;
         let size = (count + 8).min(free);
-        let Self { newton, elastic, state, guess, product, .. } = self;
-        guess.fill(Vector::zeros());
-        let own = vec![0.0; nodes];
-        let weights = Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 };
+        let Self { newton, elastic, core, .. } = self;
+        let (x, product) = (&core.state.positions, &mut core.product);
+        let balance = Balance::at_rest(nodes);
         newton.forget();
-        elastic.set_stresses(&state.positions);
-        newton.system.assemble(elastic, &state.positions, guess, &weights, false)?;
+        elastic.set_stresses(x);
+        newton.system.assemble(elastic, x, &balance.velocity, &balance, false)?;
         if !newton.system.matrix.factorise() {
-            return Err(Error::Singular);
+            return Err(WingError::Singular.into());
         }
         // Numbers without a pattern start the iteration.
         let mut vectors: Vec<Vec<Vector>> = (0..size)
             .map(|j| {
                 let entry = |k: usize, d: usize| (((3 * k + d + 1) * (j + 1)) as f64 * 12.9898).sin();
-                (0..nodes).map(|k| Vector::from_fn(|d, _| if self.held[k] { 0.0 } else { entry(k, d) })).collect()
+                (0..nodes).map(|k| Vector::from_fn(|d, _| if core.held[k] { 0.0 } else { entry(k, d) })).collect()
             })
             .collect();
         let mut last = vec![0.0; count];
@@ -62,8 +61,8 @@ impl Wing {
                 .collect();
             let mass = DMatrix::from_fn(size, size, |i, j| dot(&vectors[i], &weighted[j]));
             let symmetric = |m: DMatrix<f64>| (&m + m.transpose()) * 0.5;
-            let lower = symmetric(mass).cholesky().ok_or(Error::Singular)?.l();
-            let inverse = lower.try_inverse().ok_or(Error::Singular)?;
+            let lower = symmetric(mass).cholesky().ok_or(WingError::Singular)?.l();
+            let inverse = lower.try_inverse().ok_or(WingError::Singular)?;
             let reduced = symmetric(&inverse * symmetric(stiffness) * inverse.transpose());
             let SymmetricEigen { eigenvalues, eigenvectors } = reduced.symmetric_eigen();
             let mut order: Vec<_> = (0..size).collect();
@@ -86,6 +85,6 @@ impl Wing {
             }
             last = now;
         }
-        Err(Error::Singular)
+        Err(WingError::Singular.into())
     }
 }

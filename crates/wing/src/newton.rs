@@ -1,19 +1,16 @@
 //! Newton's method for a stage or for equilibrium.
 //!
-//! With velocities eliminated the displacement u = x − x_0 solves
-//!
-//! ```text
-//! r(u) = b − w M u − d u − s F(x_0 + u, c_v u + v*) = 0,
-//! ```
-//!
-//! where F are the elastic and viscous forces. One factorisation serves as long as each iteration shrinks r enough;
+//! The equation is the one of [`Balance`], with the elastic and viscous forces F. One factorisation serves as long as each iteration shrinks r enough;
 //! it turns with the nodes (`frames`). If that fails, the matrix is made positive definite and a line search limits
 //! the update: it looks for a point where r has lost its component along the update.
 
-use crate::elastic::{BadShape, Elastic};
+use structure::{Balance, Imbalance, RELATIVE_UPDATE, Residual, Statistics};
+
+use crate::elastic::Elastic;
 use crate::frames::Frames;
 use crate::geometry::Vector;
-use crate::system::{System, Weights};
+use crate::system::System;
+use crate::{Error, WingError};
 
 /// Maximum number of iterations, of which 2 … 10 are usual; beyond it smaller steps cost less.
 const ITERATIONS: usize = 100;
@@ -21,78 +18,13 @@ const ITERATIONS: usize = 100;
 const SLOW: f64 = 0.2;
 /// Tolerance of the residual, relative to the largest force on a node.
 const RELATIVE_RESIDUAL: f64 = 1e-9;
-/// Tolerance of the last update, relative to the size of the wing.
-const RELATIVE_UPDATE: f64 = 1e-13;
-/// Rounding error of a position, relative to the largest coordinate.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Largest change of an edge, relative to its length, after which a residual counts as rounding.
-const SETTLED_UPDATE: f64 = 1e-4;
 /// Share of the component of r along the update that a line search leaves.
 const REMAINDER: f64 = 0.9;
 /// Maximum number of halvings in the line search.
 const BACKTRACKS: usize = 30;
 
-/// Terms of r that do not change in the iteration.
-#[derive(Clone, Debug)]
-pub(crate) struct Problem {
-    /// b, N: `[nodes]`.
-    pub(crate) load: Vec<Vector>,
-    /// d, N/m: `[nodes]`.
-    pub(crate) own: Vec<f64>,
-    /// w, 1/s².
-    pub(crate) mass: f64,
-    /// s.
-    pub(crate) elastic: f64,
-    /// c_v, 1/s.
-    pub(crate) rate: f64,
-    /// v*, m/s: `[nodes]`; the velocity itself at a held node.
-    pub(crate) velocity: Vec<Vector>,
-}
-
-/// Effort of the last step or of the last search for equilibrium.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Newton iterations, including failed attempts.
-    pub iterations: usize,
-    /// Factorisations.
-    pub factorisations: usize,
-    /// Sub-steps.
-    pub substeps: usize,
-    /// Halvings of sub-steps that failed.
-    pub halvings: usize,
-    /// Solves that needed a line search.
-    pub rescues: usize,
-}
-
-/// Reason of a failed solve.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Failure {
-    NotConverged(Imbalance),
-    BadShape(BadShape),
-    /// Energy that a wing gains by itself, and energy that it exchanges, J.
-    Gain([f64; 2]),
-}
-
-/// Residual of a shape.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Imbalance {
-    /// Largest component of r, N.
-    pub(crate) residual: f64,
-    /// Tolerance, N.
-    pub(crate) tolerance: f64,
-}
-
-impl From<Imbalance> for Failure {
-    fn from(imbalance: Imbalance) -> Self {
-        Self::NotConverged(imbalance)
-    }
-}
-
-impl From<BadShape> for Failure {
-    fn from(shape: BadShape) -> Self {
-        Self::BadShape(shape)
-    }
-}
+/// Imbalance of a matrix without factors or of an update without a shape.
+const UNSOLVED: Imbalance = Imbalance { residual: f64::INFINITY, tolerance: 0.0, rounding: 0.0 };
 
 /// Solver with its scratch.
 pub(crate) struct Newton {
@@ -111,7 +43,7 @@ pub(crate) struct Newton {
     /// Largest diagonal entry of the last matrix, N/m.
     stiffness: f64,
     /// Size of the wing, m.
-    pub(crate) size: f64,
+    size: f64,
     /// Ends of the edges whose length limits an update.
     edges: Vec<[usize; 2]>,
     frames: Frames,
@@ -149,14 +81,14 @@ impl Newton {
     pub(crate) fn solve(
         &mut self,
         elastic: &mut Elastic,
-        problem: &Problem,
+        balance: &Balance<3>,
         origin: &[Vector],
         x: &mut [Vector],
         statistics: &mut Statistics,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         elastic.set_angles(origin)?;
         elastic.set_stresses(origin);
-        let mut imbalance = self.find_residual(elastic, problem, origin, x)?;
+        let mut imbalance = self.find_residual(elastic, balance, origin, x)?;
         let mut stale = !self.factorised;
         // Factors that do not turn keep the momentum of a free wing in each iteration.
         let rooted = self.system.positions < 3 * origin.len();
@@ -164,11 +96,11 @@ impl Newton {
             self.frames.turn(&elastic.faces, x, &mut self.system.rotations);
         }
         let mut guarded = false;
-        let viscous = 1.0 + elastic.relaxation_time * problem.rate;
+        let viscous = 1.0 + elastic.relaxation_time * balance.rate;
         for _ in 0..ITERATIONS {
             statistics.iterations += 1;
             if stale {
-                guarded |= !self.factorise(elastic, problem, x)?;
+                guarded |= !self.factorise(elastic, balance, x, statistics)?;
                 statistics.factorisations += 1;
             }
             self.system.solve(&self.residual);
@@ -177,27 +109,29 @@ impl Newton {
             let allowed = 1.0 / self.edge_change(x);
             let before = imbalance.residual;
             let whole;
-            (imbalance, whole) = self.search(elastic, problem, origin, x, allowed.min(1.0))?;
+            (imbalance, whole) = self.search(elastic, balance, origin, x, allowed.min(1.0), statistics)?;
             guarded |= !whole;
-            let settled = allowed * SETTLED_UPDATE >= 1.0;
-            let rounding = if settled { ROUNDING * self.extent(x) * self.stiffness } else { 0.0 };
             let update = self.system.update[..self.system.positions].iter().fold(0.0_f64, |l, c| c.abs().max(l));
-            if imbalance.residual <= imbalance.tolerance + rounding || whole && update <= RELATIVE_UPDATE * self.size {
+            if imbalance.is_met(allowed) || whole && update <= RELATIVE_UPDATE * self.size {
                 statistics.rescues += usize::from(guarded);
-                return elastic.check_angles().map_err(Failure::from);
+                return Ok(elastic.check_angles()?);
             }
             stale = imbalance.residual > SLOW * before;
         }
-        Err(imbalance.into())
+        Err(imbalance.error(statistics))
     }
 
     /// Assemble and factorise the matrix in the shape `x`; return whether it is the tangent.
-    fn factorise(&mut self, elastic: &mut Elastic, problem: &Problem, x: &[Vector]) -> Result<bool, Failure> {
-        let &Problem { mass, elastic: weight, rate, .. } = problem;
-        let weights = Weights { mass, own: &problem.own, elastic: weight, rate };
+    fn factorise(
+        &mut self,
+        elastic: &mut Elastic,
+        balance: &Balance<3>,
+        x: &[Vector],
+        statistics: &Statistics,
+    ) -> Result<bool, Error> {
         // Compression, of a guess or before a wing buckles, makes a tangent without a minimum.
         for safe in [false, true] {
-            self.system.assemble(elastic, x, &self.velocity, &weights, safe)?;
+            self.system.assemble(elastic, x, &self.velocity, balance, safe)?;
             self.stiffness = self.system.stiffness();
             self.factorised = if safe { self.system.factorise_shifted() } else { self.system.matrix.factorise() };
             if self.factorised {
@@ -205,38 +139,35 @@ impl Newton {
                 return Ok(!safe);
             }
         }
-        Err(Imbalance { residual: f64::INFINITY, tolerance: 0.0 }.into())
+        Err(UNSOLVED.error(statistics))
     }
 
     /// Write r in the shape `x` to `residual`.
     fn find_residual(
         &mut self,
         elastic: &mut Elastic,
-        problem: &Problem,
+        balance: &Balance<3>,
         origin: &[Vector],
         x: &[Vector],
-    ) -> Result<Imbalance, BadShape> {
+    ) -> Result<Imbalance, WingError> {
         let Self { system, residual, moved, inertia, velocity, .. } = self;
         for (k, first) in system.unknowns.iter().enumerate() {
             moved[k] = if first.is_some() { x[k] - origin[k] } else { Vector::zeros() };
-            velocity[k] = moved[k] * problem.rate + problem.velocity[k];
+            velocity[k] = moved[k] * balance.rate + balance.velocity[k];
         }
         elastic.mass_times(moved, inertia);
         elastic.gradient(x, velocity, residual)?;
-        // `f64::max` skips NaN, a sum does not.
-        let (mut largest, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
+        let mut measure = Residual::default();
         for (k, r) in residual.iter_mut().enumerate() {
             if system.unknowns[k].is_none() {
                 continue;
             }
-            let of_node = problem.load[k] - inertia[k] * problem.mass - moved[k] * problem.own[k];
-            *r = of_node - *r * problem.elastic;
-            largest = largest.max(r.amax());
-            outer = outer.max(of_node.amax()).max(problem.load[k].amax());
-            sum += r.sum();
+            let of_node = balance.load[k] - inertia[k] * balance.mass - moved[k] * balance.diagonal[k];
+            *r = of_node - *r * balance.elastic;
+            measure.add(*r, of_node, balance.load[k]);
         }
-        let residual = if sum.is_nan() { f64::INFINITY } else { largest };
-        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer })
+        let extent = x.iter().fold(self.size, |largest, x| largest.max(x.amax()));
+        Ok(measure.imbalance(RELATIVE_RESIDUAL, extent, self.stiffness))
     }
 
     /// Return the largest change of an edge by the update, relative to its length.
@@ -256,33 +187,30 @@ impl Newton {
     fn search(
         &mut self,
         elastic: &mut Elastic,
-        problem: &Problem,
+        balance: &Balance<3>,
         origin: &[Vector],
         x: &mut [Vector],
         mut share: f64,
-    ) -> Result<(Imbalance, bool), Failure> {
+        statistics: &Statistics,
+    ) -> Result<(Imbalance, bool), Error> {
         self.before.copy_from_slice(x);
         let along = |newton: &Self| -> f64 {
             newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k))).sum()
         };
         let first = along(self);
-        let mut last = Failure::NotConverged(Imbalance { residual: f64::INFINITY, tolerance: 0.0 });
+        let mut last = UNSOLVED.error(statistics);
         for _ in 0..BACKTRACKS {
             for (k, x) in x.iter_mut().enumerate() {
                 *x = self.before[k] + self.system.update_of(k) * share;
             }
-            match self.find_residual(elastic, problem, origin, x) {
+            match self.find_residual(elastic, balance, origin, x) {
                 // A component that stays positive means that the minimum lies further on.
                 Ok(imbalance) if along(self) >= -REMAINDER * first => return Ok((imbalance, share == 1.0)),
-                Ok(imbalance) => last = imbalance.into(),
+                Ok(imbalance) => last = imbalance.error(statistics),
                 Err(shape) => last = shape.into(),
             }
             share *= 0.5;
         }
         Err(last)
-    }
-
-    fn extent(&self, x: &[Vector]) -> f64 {
-        x.iter().fold(self.size, |largest, x| largest.max(x.amax()))
     }
 }

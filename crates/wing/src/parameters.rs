@@ -1,8 +1,8 @@
 //! Parameters of a wing.
 
 use mesh::Mesh;
-use rod::Scheme;
 use serde::{Deserialize, Serialize};
+use structure::{Scheme, not_negative, positive};
 
 use crate::geometry::Geometry;
 use crate::{Error, Wing};
@@ -154,14 +154,6 @@ impl Parameters {
     /// Refuse a parameter outside its range.
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.mesh.check()?;
-        let positive = |name: String, value: f64| match value.is_finite() && value > 0.0 {
-            true => Ok(()),
-            false => Err(Error::value(name, value, "a finite number above 0")),
-        };
-        let not_negative = |name: String, value: f64| match value.is_finite() && value >= 0.0 {
-            true => Ok(()),
-            false => Err(Error::value(name, value, "a finite number of at least 0")),
-        };
         for (i, membrane) in self.membranes.iter().enumerate() {
             positive(format!("membranes[{i}].areal_density"), membrane.areal_density)?;
             positive(format!("membranes[{i}].stretching_stiffness"), membrane.stretching_stiffness)?;
@@ -172,10 +164,10 @@ impl Parameters {
                 return Err(Error::value(name, membrane.poisson_ratio, "between −1 and 1"));
             }
         }
-        not_negative("displaced_density".into(), self.displaced_density)?;
+        not_negative("displaced_density", self.displaced_density)?;
         let triangles = self.mesh.triangles.len();
-        if !self.regions.is_empty() && self.regions.len() != triangles {
-            return Err(Error::Length { name: "regions".into(), length: self.regions.len(), expected: triangles });
+        if !self.regions.is_empty() {
+            Error::check_length("regions", self.regions.len(), triangles)?;
         }
         if let Some(t) = self.regions.iter().position(|&region| region >= self.membranes.len()) {
             return Err(Error::value(format!("regions[{t}]"), self.regions[t], "the number of a material, from 0"));
@@ -190,11 +182,14 @@ impl Parameters {
             positive(name("axial_stiffness"), vein.axial_stiffness)?;
             not_negative(name("bending_stiffness"), vein.bending_stiffness)?;
             if vein.nodes.len() < 2 || vein.nodes.iter().any(|&k| k >= nodes) {
-                return Err(Error::value(name("nodes"), &vein.nodes, "at least two numbers of nodes, counted from 0"));
+                return Err(Error::value(
+                    name("nodes"),
+                    &vein.nodes[..],
+                    "at least two numbers of nodes, counted from 0",
+                ));
             }
-            if !vein.diameter.is_empty() && vein.diameter.len() != vein.nodes.len() {
-                let (length, expected) = (vein.diameter.len(), vein.nodes.len());
-                return Err(Error::Length { name: name("diameter"), length, expected });
+            if !vein.diameter.is_empty() {
+                Error::check_length(name("diameter"), vein.diameter.len(), vein.nodes.len())?;
             }
             for (i, &ratio) in vein.diameter.iter().enumerate() {
                 positive(name(&format!("diameter[{i}]")), ratio)?;
@@ -204,20 +199,15 @@ impl Parameters {
             return Err(Error::value("root.nodes", k, "the number of a node, counted from 0"));
         }
         if let Support::TorsionSpring { stiffness } = self.root.support {
-            positive("root.support.stiffness".into(), stiffness)?;
+            positive("root.support.stiffness", stiffness)?;
         }
-        if self.root.origin.iter().chain(&self.gravity).any(|number| !number.is_finite()) {
-            return Err(Error::value("root.origin and gravity", (self.root.origin, self.gravity), "finite"));
-        }
-        not_negative("relaxation_time".into(), self.relaxation_time)?;
+        structure::finite("root.origin", &self.root.origin)?;
+        structure::finite("gravity", &self.gravity)?;
+        not_negative("relaxation_time", self.relaxation_time)?;
         if let Some(longest) = self.max_step {
-            positive("max_step".into(), longest)?;
+            positive("max_step", longest)?;
         }
-        if let Scheme::GeneralisedAlpha { rho_inf } = self.scheme
-            && !(0.0..=1.0).contains(&rho_inf)
-        {
-            return Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"));
-        }
+        self.scheme.check()?;
         let mut used = vec![false; nodes];
         let corners = self.mesh.triangles.iter().flatten();
         corners.chain(self.veins.iter().flat_map(|vein| &vein.nodes)).for_each(|&k| used[k] = true);

@@ -7,8 +7,8 @@ use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, factorize_symbolic_cholesky};
 
-use crate::Error;
 use crate::supernodes::{MARGIN, Plan};
+use crate::{Error, WingError};
 
 /// Lower triangle of a sparse symmetric matrix with its factors.
 pub(crate) struct Symmetric {
@@ -42,7 +42,7 @@ impl Symmetric {
         let supernodal_flop_ratio_threshold = SupernodalThreshold(-1.0);
         let forced = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), forced)
-            .map_err(|_| Error::Singular)?;
+            .map_err(|_| WingError::Singular)?;
         let (order_of_factor, plan) = match (symbolic.raw(), symbolic.perm()) {
             (SymbolicCholeskyRaw::Supernodal(supernodes), Some(ordering)) => {
                 let (old, new) = ordering.arrays();
@@ -50,7 +50,7 @@ impl Symmetric {
                 (old.to_vec(), Plan::new(supernodes, places))
             }
             _ if order == 0 => (Vec::new(), Plan::default()),
-            _ => return Err(Error::Singular),
+            _ => return Err(WingError::Singular.into()),
         };
         Ok(Self {
             values: vec![0.0; rows.len()],

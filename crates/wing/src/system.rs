@@ -16,13 +16,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rod::VertexDerivatives;
+use structure::Balance;
 
-use crate::Error;
-use crate::elastic::{BadShape, Elastic, folded};
+use crate::elastic::{Elastic, folded};
 use crate::face::PAIRS;
 use crate::geometry::Vector;
 use crate::plate::{Side, add_hessian, stiffness};
 use crate::sparse::Symmetric;
+use crate::{Error, WingError};
 
 /// Place of an entry of a held node.
 const NOWHERE: u32 = u32::MAX;
@@ -36,18 +37,6 @@ struct TurnPlaces {
     turns: [[u32; 3]; 3],
     /// 1 in the first triangle of an edge, −1 in the second.
     signs: [f64; 3],
-}
-
-/// Weights of the terms of the matrix.
-pub(crate) struct Weights<'a> {
-    /// Weight of M, 1/s².
-    pub(crate) mass: f64,
-    /// Weight of each node, N/m: `[nodes]`.
-    pub(crate) own: &'a [f64],
-    /// Weight of the elastic forces.
-    pub(crate) elastic: f64,
-    /// dv/du, 1/s.
-    pub(crate) rate: f64,
 }
 
 /// Newton's matrix with the places of the elements in it.
@@ -166,20 +155,20 @@ impl System {
         })
     }
 
-    /// Write the matrix in the shape `x` that moves at `v`, with the stresses of `elastic`; a `safe` matrix leaves out
+    /// Write the matrix in the shape `x` that moves at `v`, with the stresses of `elastic`, for the equation `balance`; a `safe` matrix leaves out
     /// what may be negative.
     pub(crate) fn assemble(
         &mut self,
         elastic: &mut Elastic,
         x: &[Vector],
         v: &[Vector],
-        weights: &Weights,
+        balance: &Balance<3>,
         safe: bool,
-    ) -> Result<(), BadShape> {
+    ) -> Result<(), WingError> {
         let rates = elastic.rates(v);
         elastic.update(x, rates)?;
         self.rotations.fill(Matrix3::identity());
-        let &Weights { mass, own, elastic: s, rate } = weights;
+        let &Balance { mass, ref diagonal, elastic: s, rate, .. } = balance;
         let viscous = 1.0 + elastic.relaxation_time * rate;
         let Self { matrix, faces, segments, vertices, turns, springs, unknowns, .. } = self;
         let values = &mut matrix.values;
@@ -256,8 +245,8 @@ impl System {
                 values[place as usize] += s * viscous / compliance;
             }
         }
-        if own.iter().any(|&weight| weight != 0.0) {
-            for (first, weight) in unknowns.iter().zip(own) {
+        if diagonal.iter().any(|&weight| weight != 0.0) {
+            for (first, weight) in unknowns.iter().zip(diagonal) {
                 if let Some(first) = *first {
                     (first..first + 3).for_each(|i| matrix.add_to_diagonal(i, *weight));
                 }

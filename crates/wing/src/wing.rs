@@ -1,16 +1,16 @@
 //! The wing: parameters, state, loads and results.
 
 use ::geometry::Crossings;
+use structure::{Core, Loads, Statistics, Structure};
 
 use crate::Error;
-use crate::elastic::{BadShape, Elastic};
+use crate::base::{RigidMotion, WingState};
+use crate::elastic::Elastic;
 use crate::geometry::{Geometry, Vector};
-use crate::loads::Loads;
-use crate::newton::{Failure, Newton, Problem, Statistics};
+use crate::newton::Newton;
 use crate::parameters::Parameters;
-use crate::pose::Pose;
 use crate::section::Section;
-use crate::state::State;
+use crate::step::EnergyBefore;
 use crate::system::System;
 
 /// Least mass of the membrane without the displaced fluid, by its own: the mass matrix stays positive definite.
@@ -43,35 +43,17 @@ pub struct Wing {
     /// Loads of the next step.
     pub loads: Loads,
     /// Pose of the base at the end of the next step; `None` for a base at rest, and for a free wing.
-    pub base_motion: Option<Pose>,
+    pub base_motion: Option<RigidMotion>,
     pub(crate) parameters: Parameters,
+    pub(crate) core: Core<3, RigidMotion>,
     pub(crate) elastic: Elastic,
-    /// Held nodes: `[nodes]`.
-    pub(crate) held: Vec<bool>,
-    /// Nodes at rest, m: `[nodes]`.
-    pub(crate) rest: Vec<Vector>,
     /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
-    pub(crate) state: State,
-    pub(crate) statistics: Statistics,
-    /// Positions and velocities, component after component: `[3, nodes]`.
-    positions: Vec<f64>,
-    velocities: Vec<f64>,
     pub(crate) newton: Newton,
     crossings: Crossings,
     section: Option<Section>,
-    pub(crate) problem: Problem,
-    /// State before the step and before the sub-step.
-    pub(crate) before: State,
-    pub(crate) before_substep: State,
-    /// Nodal forces without damping and impedance, N: `[nodes]`.
-    pub(crate) force: Vec<Vector>,
-    /// Positions in Newton's method, m: `[nodes]`.
-    pub(crate) guess: Vec<Vector>,
-    /// Accelerations a* of a stage, scratch, and blended accelerations: `[nodes]`.
-    pub(crate) acceleration: Vec<Vector>,
-    pub(crate) product: Vec<Vector>,
-    pub(crate) blend: Vec<Vector>,
+    /// Energy before a sub-step; `None` where a drive does work.
+    pub(crate) energy_before: Option<EnergyBefore>,
 }
 
 impl Wing {
@@ -92,49 +74,32 @@ impl Wing {
         let system = System::new(&elastic, &held)?;
         let middle = rest.iter().sum::<Vector>() / nodes as f64;
         let size = rest.iter().fold(0.0_f64, |size, x| size.max((x - middle).norm()));
-        let zeros = vec![Vector::zeros(); nodes];
-        let state = State::at_rest(rest.clone(), Pose::rest());
-        let (mut ones, mut product) = (zeros.clone(), zeros.clone());
-        ones.fill(Vector::repeat(1.0));
+        let (ones, mut product) = (vec![Vector::repeat(1.0); nodes], vec![Vector::zeros(); nodes]);
         elastic.mass_times(&ones, &mut product);
-        let masses = product.iter().map(|mass| mass.x).collect();
+        let masses: Vec<_> = product.iter().map(|mass| mass.x).collect();
         for (t, face) in elastic.faces.iter_mut().enumerate() {
             let own = parameters.membrane(t).areal_density;
             face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
         }
-        let mut wing = Self {
-            crossings: Crossings::new(elastic.faces.len()),
-            section: Section::new(&parameters.mesh, &parameters.root.nodes),
+        let gravity = Vector::from(parameters.gravity);
+        Ok(Self {
             loads: Loads::default(),
             base_motion: None,
+            crossings: Crossings::new(elastic.faces.len()),
+            section: Section::new(&parameters.mesh, &parameters.root.nodes),
             newton: Newton::new(system, &elastic, &rest, size),
-            problem: Problem {
-                load: zeros.clone(),
-                own: vec![0.0; nodes],
-                mass: 0.0,
-                elastic: 1.0,
-                rate: 0.0,
-                velocity: zeros.clone(),
-            },
+            energy_before: None,
+            core: Core::new(
+                WingState::at_rest(rest, RigidMotion::rest()),
+                held,
+                masses.iter().map(|mass| gravity * *mass).collect(),
+                parameters.scheme,
+                parameters.max_step,
+            ),
             masses,
             elastic,
-            held,
-            before: state.clone(),
-            before_substep: state.clone(),
-            state,
-            statistics: Statistics::default(),
-            positions: vec![0.0; 3 * nodes],
-            velocities: vec![0.0; 3 * nodes],
-            force: zeros.clone(),
-            guess: rest.clone(),
-            rest,
-            acceleration: zeros.clone(),
-            blend: zeros,
-            product,
             parameters,
-        };
-        wing.publish();
-        Ok(wing)
+        })
     }
 
     /// Return the parameters.
@@ -144,17 +109,17 @@ impl Wing {
 
     /// Return the number of nodes.
     pub fn nodes(&self) -> usize {
-        self.rest.len()
+        self.core.rest.len()
     }
 
     /// Return component `d` of the positions of the nodes, m: `[nodes]`.
     pub fn positions(&self, d: usize) -> &[f64] {
-        &self.positions[d * self.rest.len()..][..self.rest.len()]
+        self.core.positions(d)
     }
 
     /// Return component `d` of the velocities of the nodes, m/s: `[nodes]`.
     pub fn velocities(&self, d: usize) -> &[f64] {
-        &self.velocities[d * self.rest.len()..][..self.rest.len()]
+        self.core.velocities(d)
     }
 
     /// Return the mass that belongs to each node, kg: `[nodes]`.
@@ -175,12 +140,8 @@ impl Wing {
 
     /// Return the energies of the state.
     pub fn energy(&mut self) -> Result<Energy, Error> {
-        Ok(self.energy_of_state()?)
-    }
-
-    /// Return them with the reason why a shape has none.
-    pub(crate) fn energy_of_state(&mut self) -> Result<Energy, BadShape> {
-        let Self { elastic, state, parameters, rest, masses, product, .. } = self;
+        let Self { elastic, core, parameters, masses, .. } = self;
+        let Core { state, rest, product, .. } = core;
         let mut energy = elastic.energy(&state.positions)?;
         elastic.mass_times(&state.velocities, product);
         energy.kinetic = 0.5 * product.iter().zip(&state.velocities).map(|(p, v)| p.dot(v)).sum::<f64>();
@@ -192,7 +153,8 @@ impl Wing {
 
     /// Return momentum, kg m/s, and angular momentum about the origin of coordinates, kg m²/s.
     pub fn momentum(&mut self) -> [[f64; 3]; 2] {
-        let Self { elastic, state, product, .. } = self;
+        let Self { elastic, core, .. } = self;
+        let Core { state, product, .. } = core;
         elastic.mass_times(&state.velocities, product);
         let angular: Vector = product.iter().zip(&state.positions).map(|(p, x)| x.cross(p)).sum();
         [product.iter().sum::<Vector>().into(), angular.into()]
@@ -200,7 +162,8 @@ impl Wing {
 
     /// Return the power lost by damping, W.
     pub fn damping_power(&mut self) -> Result<f64, Error> {
-        let Self { elastic, state, product, acceleration, .. } = self;
+        let Self { elastic, core, .. } = self;
+        let Core { state, product, acceleration, .. } = core;
         elastic.gradient(&state.positions, &state.velocities, product)?;
         let whole: f64 = product.iter().zip(&state.velocities).map(|(f, v)| f.dot(v)).sum();
         product.fill(Vector::zeros());
@@ -213,125 +176,90 @@ impl Wing {
 
     /// Return the elastic force on each node in the shape `x` at rest, N: minus the gradient of the energy.
     pub fn elastic_forces(&mut self, x: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
-        if x.len() != self.nodes() {
-            return Err(Error::Length { name: "x".into(), length: x.len(), expected: self.nodes() });
-        }
+        Error::check_length("x", x.len(), self.nodes())?;
         let x: Vec<_> = x.iter().map(|x| Vector::from(*x)).collect();
-        self.guess.fill(Vector::zeros());
-        self.elastic.gradient(&x, &self.guess, &mut self.product)?;
-        Ok(self.product.iter().map(|force| (-force).into()).collect())
+        let still = vec![Vector::zeros(); x.len()];
+        self.elastic.gradient(&x, &still, &mut self.core.product)?;
+        Ok(self.core.product.iter().map(|force| (-force).into()).collect())
     }
 
     /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
     pub fn crossings(&mut self) -> usize {
-        let (faces, x) = (&self.elastic.faces, &self.state.positions);
+        let (faces, x) = (&self.elastic.faces, &self.core.state.positions);
         self.crossings.count(|k| faces[k].nodes, |node| x[node].into())
     }
 
     /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base
     /// at rest; `None` for a wing without a line of the root or without triangles.
     pub fn twist(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.twist(&self.state.positions, &self.state.pose.matrix()))
+        self.section.as_ref().map(|section| section.twist(&self.core.state.positions, &self.core.state.own.matrix()))
     }
 
     /// Return the largest distance of the membrane from that chord, by its length, positive on the side of the normals
     /// of the triangles; `None` as the twist.
     pub fn camber(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.camber(&self.state.positions, &self.state.pose.matrix()))
+        self.section.as_ref().map(|section| section.camber(&self.core.state.positions, &self.core.state.own.matrix()))
     }
 
     /// Return the effort of the last step.
     pub fn statistics(&self) -> Statistics {
-        self.statistics
+        self.core.statistics
     }
 
     /// Return the state.
-    pub fn state(&self) -> &State {
-        &self.state
+    pub fn state(&self) -> &WingState {
+        &self.core.state
     }
 
     /// Continue from `state`; the same loads and steps repeat the same bits.
     ///
     /// # Errors
     /// The wing refuses a state with another number of nodes, with numbers that are not finite or with a folded shape.
-    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+    pub fn restore(&mut self, state: &WingState) -> Result<(), Error> {
         state.check(self.nodes())?;
-        let support = self.elastic.support;
-        self.elastic.support = state.pose.matrix();
-        if let Err(shape) = self.elastic.energy(&state.positions) {
-            self.elastic.support = support;
-            return Err(shape.into());
+        state.own.check()?;
+        self.elastic.support = state.own.matrix();
+        let shape = self.elastic.energy(&state.positions);
+        if shape.is_ok() {
+            self.core.restore(state);
         }
-        self.state.copy_from(state);
-        self.align_support();
-        self.statistics = Statistics::default();
-        self.publish();
+        self.align();
+        shape?;
         Ok(())
     }
 
     /// Place the wing with its base in the state `motion`, in its rest shape, moving as a rigid body.
-    pub fn place(&mut self, motion: Pose) -> Result<(), Error> {
+    pub fn place(&mut self, motion: RigidMotion) -> Result<(), Error> {
         motion.check()?;
         let origin = Vector::from(self.parameters.root.origin);
         let placement = motion.towards(&motion, 1.0, 1.0);
-        self.state = State::at_rest(self.rest.clone(), motion);
-        for (k, rest) in self.rest.iter().enumerate() {
+        let mut state = WingState::at_rest(self.core.rest.clone(), motion);
+        for (k, rest) in self.core.rest.iter().enumerate() {
             let [x, v, _] = placement.node(origin, rest - origin);
-            (self.state.positions[k], self.state.velocities[k]) = (x, v);
-            self.state.accelerations[k] =
-                Vector::from(motion.angular_velocity).cross(&(placement.rate * (rest - origin)));
+            (state.positions[k], state.velocities[k]) = (x, v);
+            (state.previous_positions[k], state.previous_velocities[k]) = (x, v);
+            state.accelerations[k] =
+                Vector::from(motion.angular_velocity).cross(&(placement.rotation[1] * (rest - origin)));
         }
-        self.state.previous_positions.copy_from_slice(&self.state.positions);
-        self.state.previous_velocities.copy_from_slice(&self.state.velocities);
+        self.core.state = state;
         self.base_motion = Some(motion);
-        self.align_support();
-        self.publish();
+        self.align();
+        self.core.publish();
         Ok(())
     }
 
     /// Set the velocities of the free nodes, m/s, before a first step.
     pub fn set_velocities(&mut self, velocities: &[[f64; 3]]) -> Result<(), Error> {
-        if velocities.len() != self.nodes() {
-            return Err(Error::Length { name: "velocities".into(), length: velocities.len(), expected: self.nodes() });
+        Error::check_length("velocities", velocities.len(), self.nodes())?;
+        for (k, v) in velocities.iter().enumerate() {
+            structure::finite(&format!("velocities[{k}]"), v)?;
         }
-        if let Some(k) = velocities.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
-            return Err(Error::value(format!("velocities[{k}]"), velocities[k], "finite"));
+        let Core { state, held, .. } = &mut self.core;
+        for (k, v) in velocities.iter().enumerate().filter(|(k, _)| !held[*k]) {
+            (state.velocities[k], state.previous_velocities[k]) = (Vector::from(*v), Vector::from(*v));
         }
-        for (k, v) in velocities.iter().enumerate().filter(|(k, _)| !self.held[*k]) {
-            (self.state.velocities[k], self.state.previous_velocities[k]) = (Vector::from(*v), Vector::from(*v));
-        }
-        self.state.last_step = 0.0;
-        self.publish();
+        state.last_step = 0.0;
+        self.core.publish();
         Ok(())
-    }
-
-    /// Turn the support of the elastic energy as the pose of the state says.
-    pub(crate) fn align_support(&mut self) {
-        self.elastic.support = self.state.pose.matrix();
-        self.elastic.omega = Vector::from(self.state.pose.angular_velocity);
-    }
-
-    /// Copy positions and velocities into arrays of components.
-    pub(crate) fn publish(&mut self) {
-        let nodes = self.rest.len();
-        for d in 0..3 {
-            for k in 0..nodes {
-                self.positions[d * nodes + k] = self.state.positions[k][d];
-                self.velocities[d * nodes + k] = self.state.velocities[k][d];
-            }
-        }
-    }
-
-    /// Return the error for a failed solve.
-    pub(crate) fn error(&self, failure: Failure) -> Error {
-        match failure {
-            Failure::NotConverged(imbalance) => Error::NotConverged {
-                residual: imbalance.residual,
-                tolerance: imbalance.tolerance,
-                iterations: self.statistics.iterations,
-            },
-            Failure::BadShape(shape) => shape.into(),
-            Failure::Gain([gain, exchanged]) => Error::Gain { gain, exchanged },
-        }
     }
 }

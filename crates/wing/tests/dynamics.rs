@@ -1,6 +1,6 @@
 //! Steps in time: invariants, order, motion of the base, and the contract of a step.
 
-use nervure_wing::{Membrane, Mesh, Parameters, Pose, Root, Scheme, Support, Wing, rectangle};
+use nervure_wing::{Membrane, Mesh, Parameters, RigidMotion, Root, Scheme, Support, Wing, rectangle};
 
 fn free_wing(scheme: Scheme) -> Wing {
     let mesh = rectangle(0.2, 0.1, 4);
@@ -77,12 +77,12 @@ fn steps_are_of_second_order() {
 }
 
 /// Return the pose of a base that turns about z by `angle` at the rate `omega`.
-fn turned(angle: f64, omega: f64) -> Pose {
+fn turned(angle: f64, omega: f64) -> RigidMotion {
     let (sin, cos) = angle.sin_cos();
-    Pose {
+    RigidMotion {
         rotation: [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]],
         angular_velocity: [0.0, 0.0, omega],
-        ..Pose::rest()
+        ..RigidMotion::rest()
     }
 }
 
@@ -120,7 +120,7 @@ fn the_work_of_the_drive_is_the_energy_of_a_flapping_wing() {
         let (angle, omega) = (0.3 * (1.0 - (20.0 * t).cos()), 6.0 * (20.0 * t).sin());
         let (sin, cos) = angle.sin_cos();
         let rotation = [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]];
-        Pose { rotation, angular_velocity: [0.0, omega, 0.0], ..Pose::rest() }
+        RigidMotion { rotation, angular_velocity: [0.0, omega, 0.0], ..RigidMotion::rest() }
     };
     wing.place(pose(0.0)).expect("a pose");
     let (mut largest, mut work, mut power) = (0.0_f64, 0.0, 0.0);
@@ -318,7 +318,7 @@ fn a_held_node_has_the_acceleration_of_its_base() {
         for &k in &wing.parameters().root.nodes {
             let [x, y, z] = wing.parameters().mesh.nodes[k];
             let state = wing.state();
-            let (omegas, arm) = (state.pose.angular_velocity, turned(phi, omega).rotation);
+            let (omegas, arm) = (state.own.angular_velocity, turned(phi, omega).rotation);
             let r: [f64; 3] = std::array::from_fn(|i| arm[i][0] * x + arm[i][1] * y + arm[i][2] * z);
             let axis: [f64; 3] = std::array::from_fn(|i| omegas[i] / omega);
             let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {

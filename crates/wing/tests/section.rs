@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_3;
 
-use nervure_wing::{Membrane, Mesh, Parameters, Pose, Root, Wing, ellipse, insect_wing, rectangle};
+use nervure_wing::{Membrane, Mesh, Parameters, RigidMotion, Root, Wing, ellipse, insect_wing, rectangle};
 
 const FILM: Membrane = Membrane {
     areal_density: 0.05,
@@ -22,7 +22,7 @@ fn held(mesh: Mesh) -> Wing {
 fn bent(wing: &mut Wing, shape: impl Fn([f64; 3]) -> [f64; 3]) {
     let (sin, cos) = FRAC_PI_3.sin_cos();
     let mut state = wing.state().clone();
-    state.pose = Pose { rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]], ..Pose::rest() };
+    state.own = RigidMotion { rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]], ..RigidMotion::rest() };
     for (place, rest) in state.positions.iter_mut().zip(&wing.parameters().mesh.nodes) {
         let [x, y, z] = shape(*rest);
         *place = [cos * x + sin * z, y, cos * z - sin * x].into();

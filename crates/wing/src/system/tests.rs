@@ -1,8 +1,9 @@
 //! Newton's matrix against differences of the forces.
 
 use nalgebra::Rotation3;
+use structure::Balance;
 
-use super::{System, Weights};
+use super::System;
 use crate::elastic::Elastic;
 use crate::frames::Frames;
 use crate::geometry::{Geometry, Vector};
@@ -32,10 +33,9 @@ fn the_tangent_is_the_derivative_of_the_forces() {
         let mut elastic = Elastic::new(&parameters, &held).expect("springs");
         let mut system = System::new(&elastic, &held).expect("a matrix");
         let still = vec![Vector::zeros(); x.len()];
-        let own = vec![0.0; x.len()];
-        let weights = Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 };
+        let balance = Balance::at_rest(x.len());
         elastic.set_stresses(&x);
-        system.assemble(&mut elastic, &x, &still, &weights, false).expect("a good shape");
+        system.assemble(&mut elastic, &x, &still, &balance, false).expect("a good shape");
         assert!(system.matrix.factorise(), "a positive definite matrix");
         // The matrix has unknowns beside the nodes, so compare its inverse: K⁻¹ (K p) = p.
         let direction: Vec<_> = (0..x.len())
@@ -87,11 +87,8 @@ fn the_factors_of_a_shape_serve_the_shape_that_has_turned() {
     let rest: Vec<_> = (0..x.len()).map(|k| parameters.mesh.node(k)).collect();
     let mut frames = Frames::new(&rest, &elastic.faces);
     let still = vec![Vector::zeros(); x.len()];
-    let own = vec![0.0; x.len()];
     elastic.set_stresses(&x);
-    system
-        .assemble(&mut elastic, &x, &still, &Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 }, false)
-        .expect("a good shape");
+    system.assemble(&mut elastic, &x, &still, &Balance::at_rest(x.len()), false).expect("a good shape");
     assert!(system.matrix.factorise(), "a positive definite matrix");
     frames.set(&elastic.faces, &x);
     let force: Vec<_> = (0..x.len()).map(|k| Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin())).collect();

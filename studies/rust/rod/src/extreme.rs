@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use nervure_rod::{Energy, Error, Parameters, Rod, Section};
+use nervure_rod::{Energy, Error, Parameters, Rod, RodError, Section};
 
 use crate::common::total_energy;
 use crate::rods::{SCHEMES, build, thesis_beam};
@@ -73,8 +73,8 @@ fn run<const D: usize>(mut rod: Rod<D>, dt: f64, steps: usize, push: [f64; D], u
 fn cause(error: &Error) -> &'static str {
     match error {
         Error::NotConverged { .. } => "not converged",
-        Error::FoldBack { .. } => "folds back",
-        Error::EnergyGain { .. } => "stopped for a gain of energy",
+        Error::Own(RodError::Shape(_)) => "folds back",
+        Error::Own(RodError::EnergyGain { .. }) => "stopped for a gain of energy",
         _ => "refused",
     }
 }

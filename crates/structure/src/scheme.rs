@@ -24,12 +24,16 @@
 //! The trapezoid does not damp axial waves that the step leaves unresolved. The bar of CSM3 in 32 segments, with axial
 //! springs k_e and masses m, ran for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with ρ = 0.5
 //! and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest case tried. Generalised-α may gain energy where a rod folds.
-//! A guard watches the energy of the trapezoid and of generalised-α ([`crate::Error::EnergyGain`]).
+//! [`crate::Structure::guard`] watches the energy.
 //!
 //! The first step of BDF2 is backward Euler, with a local error of second order. So is each step more than
 //! [`LARGEST_RATIO`] times as long as the step before.
 
 use std::ops::{Add, Mul, Sub};
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
 
 /// Largest ratio of neighbouring BDF2 steps; the limit of zero-stability is 1 + √2.
 const LARGEST_RATIO: f64 = 2.4;
@@ -37,8 +41,37 @@ const LARGEST_RATIO: f64 = 2.4;
 /// Share of a step in the trapezoidal stage of TR-BDF2.
 pub const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// Motion of one unknown at the beginning of a step: a position, or an angle.
-#[derive(Clone, Copy)]
+/// Implicit time scheme; each is of second order in the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Scheme {
+    /// Trapezoidal rule of the thesis (eq. 2.7), without numerical dissipation; unsafe for stiff axial modes.
+    Trapezoid,
+    /// Generalised-α (Chung & Hulbert 1993).
+    GeneralisedAlpha {
+        /// Spectral radius at infinite frequency, 0 … 1.
+        rho_inf: f64,
+    },
+    /// Trapezoid over 2 − √2 of the step, then BDF2 over the rest (Bank et al. 1985; Hosea & Shampine 1996).
+    #[default]
+    TrBdf2,
+    /// Two-step backward differences.
+    Bdf2,
+}
+
+impl Scheme {
+    /// Refuse a spectral radius outside its range.
+    pub fn check<F>(&self) -> Result<(), Error<F>> {
+        match *self {
+            Self::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
+                Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Motion of one unknown at the beginning of a step: a position, m, or an angle, rad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion<V> {
     /// Position.
     pub x: V,
@@ -46,9 +79,9 @@ pub struct Motion<V> {
     pub v: V,
     /// Acceleration.
     pub a: V,
-    /// Position one step earlier.
+    /// Position one step earlier (BDF2).
     pub previous_x: V,
-    /// Velocity one step earlier.
+    /// Velocity one step earlier (BDF2).
     pub previous_v: V,
 }
 

@@ -1,0 +1,27 @@
+//! Checks of numbers.
+
+use crate::Error;
+
+/// Refuse a number that is not finite or not above 0.
+pub fn positive<F>(name: impl Into<String>, value: f64) -> Result<(), Error<F>> {
+    match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(Error::value(name, value, "a finite number above 0")),
+    }
+}
+
+/// Refuse a number that is not finite or below 0.
+pub fn not_negative<F>(name: impl Into<String>, value: f64) -> Result<(), Error<F>> {
+    match value.is_finite() && value >= 0.0 {
+        true => Ok(()),
+        false => Err(Error::value(name, value, "a finite number of at least 0")),
+    }
+}
+
+/// Refuse a vector with a number that is not finite.
+pub fn finite<F>(name: &str, vector: &[f64]) -> Result<(), Error<F>> {
+    match vector.iter().all(|number| number.is_finite()) {
+        true => Ok(()),
+        false => Err(Error::value(name, vector, "finite")),
+    }
+}
