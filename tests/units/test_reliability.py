@@ -35,10 +35,12 @@ def test_check_finds_nothing(name, kind, tmp_path):
     child("spawn", 60.0, tried, check.function, kind, folder, check.few)
 
 
-@pytest.mark.parametrize(("planted", "found"), [((os.abort,), "crashed"), ((time.sleep, 60), "hung")])
-def test_a_crash_and_a_hang_are_found(planted, found):
+@pytest.mark.parametrize(
+    ("planted", "after", "found"), [((os.abort,), 60.0, "crashed"), ((time.sleep, 60), 1.0, "hung")]
+)
+def test_a_crash_and_a_hang_are_found(planted, after, found):
     with pytest.raises(AssertionError, match=found):
-        child("spawn", 8.0, *planted)
+        child("spawn", after, *planted)
 
 
 @both
