@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nervure_fluid::{Filter, Fluid, Law, Motion, Outline, Precision, Shape, Solid, Turn, Zone};
+use nalgebra::{Matrix3, Vector3};
+use nervure_fluid::{Filter, Fluid, Law, Motion, Mount, Outline, Precision, Shape, Solid, Support, Turn, Zone};
 
 type Body = nervure_fluid::Body<3>;
 type Parameters = nervure_fluid::Parameters<3>;
@@ -71,6 +72,93 @@ fn a_long_cylinder_is_a_circle_in_two_dimensions() {
     let (u, v) = (flat.velocity(1), deep.velocity(1));
     let largest = (0..v.len()).map(|c| (v[c] - u[c / 8]).abs()).fold(0.0, f64::max);
     assert!(largest < 1e-9, "{largest} m/s");
+}
+
+/// A cylinder along z on springs and dampers, held beside its axis in a stream, moves and turns as a circle on springs in
+/// the plane; also with the box, the stream and the springs turned so that it lies along another axis.
+#[test]
+fn a_long_cylinder_on_springs_is_a_circle_on_springs() {
+    let (cells, depth, h) = (32, 0.25, 0.01);
+    let [stiff, soft, twist] = [[40.0, 0.5], [10.0, 0.2], [0.3, 0.004]].map(|[stiffness, damping]| {
+        let rest = 0.02;
+        move |depth: f64| Some(Support { stiffness: depth * stiffness, damping: depth * damping, rest })
+    });
+    let mut flat = nervure_fluid::Parameters::new([[0.0, 1.0]; 2], [cells; 2], 3.0, 2e-3, h);
+    (flat.initial_velocity, flat.filter) = ([0.6, 0.2], Filter::TwoThirds);
+    let supports = [stiff(1.0), soft(1.0), twist(1.0), None, None, None];
+    let mount = Mount { mass: 0.15, inertia: 2e-3, supports };
+    flat.bodies = vec![nervure_fluid::Body {
+        pivot: [0.03, -0.02],
+        motion: Some(Motion::Mount(mount)),
+        ..nervure_fluid::Body::still("the cylinder", Outline::Ellipse([0.1, 0.1]), [0.45, 0.5])
+    }];
+    for turn in 0..3 {
+        let mut fresh = Fluid::new(&flat).unwrap_or_else(|e| panic!("{e}"));
+        // x, y and z of the plane go to the axes turn, turn + 1 and turn + 2.
+        let place = |own: [f64; 3]| {
+            let mut all = [0.0; 3];
+            (0..3).for_each(|axis| all[(axis + turn) % 3] = own[axis]);
+            all
+        };
+        let (mut ends, mut points) = ([[0.0, 1.0]; 3], [cells; 3]);
+        (ends[(turn + 2) % 3], points[(turn + 2) % 3]) = ([0.0, depth], 8);
+        let mut deep = Parameters::new(ends, points, 3.0, 2e-3, h);
+        (deep.initial_velocity, deep.filter) = (place([0.6, 0.2, 0.0]), Filter::TwoThirds);
+        let mut supports = [None; 6];
+        for (axis, own) in [stiff(depth), soft(depth), None].into_iter().enumerate() {
+            supports[(axis + turn) % 3] = own;
+        }
+        supports[3 + (turn + 2) % 3] = twist(depth);
+        let inertia = Matrix3::from_diagonal(&place([1.0, 1.0, depth * 2e-3]).into());
+        let mount = Mount { mass: depth * 0.15, inertia, supports };
+        let along = (turn + 2) % 3;
+        deep.bodies = vec![Body {
+            pivot: place([0.03, -0.02, 0.0]),
+            motion: Some(Motion::Mount(mount)),
+            ..still(Solid::Cylinder { axis: along, radius: 0.1, half_length: f64::INFINITY }, place([0.45, 0.5, 0.1]))
+        }];
+        let mut deep = made(&deep);
+        for step in 0..60 {
+            let t = h * f64::from(step);
+            fresh.advance(t, h).and_then(|()| deep.advance(t, h)).unwrap_or_else(|e| panic!("{turn}, {step}: {e}"));
+        }
+        let (one, other) = (fresh.pose(0), deep.pose(0));
+        let found: Vec<f64> = (0..2).map(|axis| other.position[(axis + turn) % 3]).collect();
+        assert!((one.position[1] - 0.5).abs() > 1e-3 && one.angle.abs() > 1e-3, "it moves: {one:?}");
+        for (axis, found) in found.iter().enumerate() {
+            assert!((found - one.position[axis]).abs() < 1e-9, "{turn}: {other:?} beside {one:?}");
+        }
+        assert!((other.angle[along] - one.angle).abs() < 1e-8, "{turn}: {other:?} beside {one:?}");
+        assert!((other.omega[along] - one.omega).abs() < 1e-7, "{turn}: {other:?} beside {one:?}");
+    }
+}
+
+/// A body that the master moves takes the force of one that a law moves in the same way, turned by a rotation vector.
+#[test]
+fn the_master_moves_a_body_as_a_law_does() {
+    let axis = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0];
+    let laws = Motion::laws([0.05, 0.02, -0.03].map(|a| sine(a, 1.0)), axis.into(), sine(0.5, 1.0));
+    let fluids = [laws, Motion::Master].map(|motion| {
+        let mut parameters = Parameters::new([[-0.5, 0.5]; 3], [24; 3], 2.0, 0.01, 0.01);
+        let turn = Turn { axis: [1.0, 2.0, -1.0], angle: 0.4 };
+        let body = still(Solid::Cuboid([0.2, 0.1, 0.15]), [0.05, -0.02, 0.03]);
+        parameters.bodies = vec![Body { turn, motion: Some(motion), pivot: [0.05, 0.0, 0.02], ..body }];
+        made(&parameters)
+    });
+    let [mut by_law, mut by_master] = fluids;
+    for step in 0..12 {
+        let (t, h) = (0.01 * f64::from(step), 0.01);
+        by_law.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        let pose = by_law.pose(0);
+        let displacement = by_master.displacement_mut(0);
+        *displacement = pose;
+        displacement.position -= Vector3::new(0.05, -0.02, 0.03);
+        by_master.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        let [one, other] = [&by_law, &by_master].map(|fluid| fluid.force_on_body(0));
+        let off = (one.force - other.force).norm() + (one.moment - other.moment).norm();
+        // Before the first step the master has not said how it moves.
+        assert!(step == 0 || off < 1e-9 * one.force.norm(), "{step}: {one:?} beside {other:?}");
+    }
 }
 
 /// An ellipsoid that moves and turns obliquely feels the same with its axes in turn along others, between walls.
