@@ -1,6 +1,6 @@
 //! Conversion of a scene to the parameters and loads of a rod.
 
-use rod::{Error, Loads, Parameters, Rod, RootSupport, Scheme, Slide, Taper};
+use rod::{Error, Loads, Parameters, Rod, RootSupport, Slide, Taper};
 use scene::{Beam, Load, Material, Scene};
 
 /// Return the rod of a scene, at rest, with the loads of the scene.
@@ -41,12 +41,7 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
         },
         slide: rod.slide.as_ref().map(|slide| Slide { axis: slide.along as usize, mass: slide.mass }),
         clamp_compliance_length: rod.clamp_compliance_length,
-        scheme: match rod.scheme {
-            scene::RodScheme::Trapezoid => Scheme::Trapezoid,
-            scene::RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
-            scene::RodScheme::TrBdf2 => Scheme::TrBdf2,
-            scene::RodScheme::Bdf2 => Scheme::Bdf2,
-        },
+        scheme: rod.scheme,
         max_step: Some(rod.max_step.unwrap_or(scene.time.communication_step)),
     }
 }
