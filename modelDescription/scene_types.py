@@ -2,7 +2,8 @@
 
     python modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
-make and the installation of the package do so. Every title of the schema is a class, or the name of a choice between classes and words.
+make and the installation of the package do so. Every title of the schema is a class, or the name of a choice between
+classes and words.
 """
 
 import json

@@ -1,6 +1,6 @@
 //! Conversion of a scene to the parameters and loads of a rod.
 
-use rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RootSupport, Scheme, Section, Slide, Taper};
+use rod::{Error, Loads, Parameters, Rod, RootSupport, Slide, Taper};
 use scene::{Beam, Load, Material, Scene};
 
 /// Return the rod of a scene, at rest, with the loads of the scene.
@@ -22,21 +22,15 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
         length: beam.length,
         segments: beam.segments,
         rest_angles: beam.rest_angles.clone(),
-        section: section(beam, &rod.material, 0.0),
+        section: rod.material.section(&beam.thickness, 0.0),
         displaced: displaced[0],
         displaced_weighs: scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()),
         taper: taper(beam, &rod.material, &displaced),
         strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
         gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
         damping: rod.damping,
-        bending: match rod.bending {
-            scene::Bending::Invariant => Bending::Invariant,
-            scene::Bending::Projected => Bending::Projected,
-        },
-        calibration: match rod.calibration {
-            scene::Calibration::SecondOrder => Calibration::SecondOrder,
-            scene::Calibration::Thesis { k_e } => Calibration::Thesis { k_e },
-        },
+        bending: rod.bending,
+        calibration: rod.calibration,
         support: match rod.root {
             scene::RootSupport::Clamped => RootSupport::Clamped,
             scene::RootSupport::Pinned => RootSupport::Pinned,
@@ -47,21 +41,9 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
         },
         slide: rod.slide.as_ref().map(|slide| Slide { axis: slide.along as usize, mass: slide.mass }),
         clamp_compliance_length: rod.clamp_compliance_length,
-        scheme: match rod.scheme {
-            scene::RodScheme::Trapezoid => Scheme::Trapezoid,
-            scene::RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
-            scene::RodScheme::TrBdf2 => Scheme::TrBdf2,
-            scene::RodScheme::Bdf2 => Scheme::Bdf2,
-        },
+        scheme: rod.scheme,
         max_step: Some(rod.max_step.unwrap_or(scene.time.communication_step)),
     }
-}
-
-/// Return the section at the place `s`, 0 at the root and 1 at the tip.
-fn section(beam: &Beam, material: &Material, s: f64) -> Section {
-    let scene::Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } =
-        material.section(&beam.thickness, s);
-    Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness }
 }
 
 /// Return the profiles of section and thickness along the beam; the profile of a constant is empty.
@@ -71,7 +53,7 @@ fn taper(beam: &Beam, material: &Material, displaced: &[f64]) -> Taper {
         root => values.iter().map(|value| value / root).collect(),
     };
     let along = |value: &dyn Fn(f64) -> f64| relative(&beam.places().map(value).collect::<Vec<_>>());
-    let section = |s: f64| section(beam, material, s);
+    let section = |s: f64| material.section(&beam.thickness, s);
     Taper {
         line_density: along(&|s| section(s).line_density),
         displaced: relative(displaced),

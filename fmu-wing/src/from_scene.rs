@@ -1,7 +1,7 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{Fluid, RodScheme, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
-use wing::{Error, Membrane, Parameters, RigidMotion, Root, Scheme, Support, Vein};
+use scene::{Fluid, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
+use wing::{Error, Membrane, Parameters, RigidMotion, Root, Support, Vein};
 
 /// Return the parameters of the wing of a scene, in its fluid if it has one.
 pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters, Error> {
@@ -42,12 +42,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,
         displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * largest_cell(fluid)),
-        scheme: match own.scheme {
-            RodScheme::Trapezoid => Scheme::Trapezoid,
-            RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
-            RodScheme::TrBdf2 => Scheme::TrBdf2,
-            RodScheme::Bdf2 => Scheme::Bdf2,
-        },
+        scheme: own.scheme,
         max_step: own.max_step,
         mesh,
     })

@@ -18,8 +18,8 @@ impl Crossings {
         Self { bounds: vec![[[0.0; 2]; 3]; triangles], order: (0..triangles).collect() }
     }
 
-    /// Return the number of pairs of triangles without a common node that cross, from the nodes of each triangle and the
-    /// position of each node, m.
+    /// Return the number of pairs of triangles without a common node that cross, from the nodes of each triangle and
+    /// the position of each node, m.
     pub fn count(&mut self, triangle: impl Fn(usize) -> [usize; 3], position: impl Fn(usize) -> [f64; 3]) -> usize {
         let Self { bounds, order } = self;
         for (k, own) in bounds.iter_mut().enumerate() {

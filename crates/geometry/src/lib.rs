@@ -1,7 +1,7 @@
 //! Shapes in two and three dimensions: signed distance, normal, bounding box, and where they touch.
 //!
-//! [`plane::Outline`] and [`space::Solid`] are closed shapes in their own axes. In the box of a scene a [`Shape`] is one
-//! of them, a [`Chain`] of capsules or a [`Surface`] of triangles; what lies in the plane has z = 0 there.
+//! [`plane::Outline`] and [`space::Solid`] are closed shapes in their own axes. In the box of a scene a [`Shape`] is
+//! one of them, a [`Chain`] of capsules or a [`Surface`] of triangles; what lies in the plane has z = 0 there.
 #![forbid(unsafe_code)]
 
 mod bounds;

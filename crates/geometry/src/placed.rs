@@ -105,7 +105,7 @@ impl Placed<Solid, 3> {
         self.has_common_points(other, depth)
     }
 
-    /// Return whether a straight line along `axis` meets the solid wherever it passes the section with these `ends` (m).
+    /// Return whether a straight line along `axis` meets the solid wherever it passes the section with these `ends`, m.
     pub(crate) fn covers(&self, axis: usize, ends: &[[f64; 2]]) -> bool {
         let mut section: Bounds<3> = [ends[0], ends[1], ends[2]];
         section[axis] = [self.origin[axis]; 2];

@@ -162,7 +162,7 @@ impl Precision {
 }
 
 impl Mask {
-    /// A log-linear mask with the default decay length and the correction of curvature.
+    /// Return a log-linear mask with the default decay length and the correction of curvature.
     pub fn log_linear(c_eta: f64) -> Self {
         let wall_correction = WallCorrection::default();
         Self::LogLinear { c_eta, decay_length_cells: DECAY_LENGTH_CELLS, core_depth: None, wall_correction }

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "scene")]
 use schemars::JsonSchema;
-#[cfg(feature = "scene")]
+#[cfg(feature = "serde")]
 use serde::{Deserialize, Serialize};
 
 /// An axis of the coordinates or of a body.
@@ -20,7 +20,7 @@ pub enum Axis {
 
 /// Mass and stiffness of a section at one place (per metre of depth in a two-dimensional scene).
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "scene", derive(Serialize, Deserialize))]
+#[cfg_attr(feature = "serde", derive(Serialize, Deserialize))]
 pub struct Section {
     /// Mass per length, kg/m.
     pub line_density: f64,

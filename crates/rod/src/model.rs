@@ -1,19 +1,6 @@
 //! Choices that define the model of a rod: section, bending energy, calibration and support.
 
-use serde::{Deserialize, Serialize};
-
-/// Mass and stiffness of a cross-section, per metre of depth in two dimensions.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Section {
-    /// Mass per length μ, kg/m.
-    pub line_density: f64,
-    /// Bending stiffness EI, N m².
-    pub bending_stiffness: f64,
-    /// Axial stiffness EA, N.
-    pub axial_stiffness: f64,
-    /// Shear stiffness GA_s, N; `None` keeps the section at right angles to the rod.
-    pub shear_stiffness: Option<f64>,
-}
+pub use method::{Bending, Calibration, Section};
 
 /// Profiles of section and displaced fluid along the rod, relative to the root.
 ///
@@ -37,33 +24,6 @@ impl Taper {
     pub(crate) fn at(profile: &[f64], i: usize) -> f64 {
         profile.get(i).copied().unwrap_or(1.0)
     }
-}
-
-/// Angle on which the bending energy depends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Bending {
-    /// The angle ψ between neighbouring segments, through 2 tan(ψ/2) (Bergou et al. 2008): independent of the frame.
-    #[default]
-    Invariant,
-    /// Angles between the projections of the segments into the planes xy and xz (thesis, eqs. 2.1 and 2.4).
-    ///
-    /// They depend on the frame. A projection that vanishes is an error.
-    Projected,
-}
-
-/// Rule that turns a section into springs and masses.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Calibration {
-    /// Axial springs EA/l0, a clamp spring EI/(l0/2) and half a segment's mass at the tip: second order in l0.
-    #[default]
-    SecondOrder,
-    /// Calibration of the thesis, section 2.4.1: a clamp spring EI/l0 and a whole segment's mass at each node.
-    ///
-    /// It is of first order in l0.
-    Thesis {
-        /// Axial stiffness of a segment of any length, N/m; it replaces EA/l0.
-        k_e: f64,
-    },
 }
 
 /// Support of the root. Each one but the clamp needs invariant bending and the second-order calibration.

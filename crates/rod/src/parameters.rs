@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use structure::{Scheme, Vector, not_negative, positive};
+use structure::{Scheme, Vector, check_scheme, not_negative, positive};
 
 use crate::model::{Bending, Calibration, RootSupport, Section, Slide, Taper};
 use crate::{Error, RodError};
@@ -122,7 +122,7 @@ impl<const D: usize> Parameters<D> {
             return Err(Error::value("section.shear_stiffness", shear, only));
         }
         self.check_rest_shape()?;
-        self.scheme.check()
+        check_scheme(self.scheme)
     }
 
     fn check_support(&self) -> Result<(), Error> {

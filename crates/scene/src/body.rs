@@ -431,7 +431,7 @@ impl Body {
         if let Some(BodyDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
     }
 
-    /// Whether the master moves the body.
+    /// Return whether the master moves the body.
     pub fn is_driven(&self) -> bool {
         matches!(self.motion, Some(BodyDrive::Master(_)))
     }

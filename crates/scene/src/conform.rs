@@ -96,7 +96,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A word of several, or an object with one of several keys.
+    /// Check a word of several, or an object with one of several keys.
     fn check_variant(&mut self, key: &str, node: &Node, whole: &'a Value, variants: &'a [Value]) {
         let contents = || variants.iter().filter_map(|variant| variant.get("properties")?.as_object()?.iter().next());
         if let Content::Object(members) = &node.content
@@ -127,7 +127,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// The fault of the unknown key `name`, whose path is `key`, among `known` ones.
+/// Return the fault of the unknown key `name`, whose path is `key`, among `known` ones.
 fn unknown(key: &str, name: &str, known: &[&str]) -> Fault {
     let all = list(known, "and");
     let hint = match (successor(name, known), similar(name, known)) {
@@ -139,18 +139,18 @@ fn unknown(key: &str, name: &str, known: &[&str]) -> Fault {
     Fault::unknown(key, &all, &hint)
 }
 
-/// The new name of a renamed key, if it is `known`.
+/// Return the new name of a renamed key, if it is `known`.
 fn successor(name: &str, known: &[&str]) -> Option<&'static str> {
     RENAMED.into_iter().find(|(old, new)| *old == name && known.contains(new)).map(|(_, new)| new)
 }
 
-/// The known name that `name` most probably means: at most a third of its letters differ.
+/// Return the known name that `name` most probably means: at most a third of its letters differ.
 fn similar<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let (distance, near) = known.iter().map(|near| (edit_distance(name, near), *near)).min()?;
     (3 * distance <= name.chars().count().max(3)).then_some(near)
 }
 
-/// Least number of letters to insert, remove, replace or swap with their neighbours (Damerau 1964).
+/// Return the least number of letters to insert, remove, replace or swap with their neighbours (Damerau 1964).
 fn edit_distance(a: &str, b: &str) -> usize {
     let [a, b] = [a, b].map(|text| text.chars().take(64).collect::<Vec<_>>());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
@@ -169,7 +169,7 @@ fn edit_distance(a: &str, b: &str) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// The schema that `schema` refers to; where null is allowed too, the other one.
+/// Return the schema that `schema` refers to; where null is allowed too, the other one.
 fn resolve<'a>(definitions: &'a Value, schema: &'a Value) -> &'a Value {
     if let Some(Value::String(reference)) = schema.get("$ref") {
         let name = reference.rsplit('/').next().expect("a split has a part");
@@ -181,7 +181,7 @@ fn resolve<'a>(definitions: &'a Value, schema: &'a Value) -> &'a Value {
     }
 }
 
-/// The schema that `schema` refers to for this value: that of objects, or that of numbers or words.
+/// Return the schema that `schema` refers to for this value: that of objects, or that of numbers or words.
 fn resolve_for<'a>(definitions: &'a Value, node: &Node, schema: &'a Value) -> &'a Value {
     let schema = resolve(definitions, schema);
     let Some(Value::Array(either)) = schema.get("anyOf") else { return schema };
@@ -190,13 +190,13 @@ fn resolve_for<'a>(definitions: &'a Value, node: &Node, schema: &'a Value) -> &'
     parts.find(|part| takes_objects(part) == is_object).unwrap_or(schema)
 }
 
-/// Whether a value of `schema` is an object: with properties, or with one of several keys.
+/// Return whether a value of `schema` is an object: with properties, or with one of several keys.
 fn takes_objects(schema: &Value) -> bool {
     let variants = schema.get("oneOf").and_then(Value::as_array).into_iter().flatten();
     variants.chain([schema]).any(|part| part.get("properties").is_some())
 }
 
-/// Values that `schema` allows, for "must be …".
+/// Return the values that `schema` allows, for "must be …".
 fn allowed(definitions: &Value, schema: &Value) -> String {
     let schema = resolve(definitions, schema);
     if let Some(Value::Array(either)) = schema.get("anyOf") {
@@ -230,7 +230,7 @@ fn allowed(definitions: &Value, schema: &Value) -> String {
     names.collect::<Vec<_>>().join(" or ")
 }
 
-/// Number and kind of the elements of a list.
+/// Return the number and kind of the elements of a list.
 fn elements(definitions: &Value, schema: &Value) -> String {
     let part = resolve(definitions, &schema["items"]);
     let name = match types(part).next() {
@@ -318,7 +318,7 @@ fn may_be_null(schema: &Value) -> bool {
     either.chain([schema]).any(|part| types(part).any(|name| name == "null"))
 }
 
-/// Whether a value has the type that JSON Schema calls `name`; a whole number is written without a point.
+/// Return whether a value has the type that JSON Schema calls `name`; a whole number is written without a point.
 fn is_a(name: &str, node: &Node) -> bool {
     match (name, &node.content) {
         ("integer", Content::Number(number)) => number.is_u64() || number.is_i64(),

@@ -163,7 +163,7 @@ struct Drive {
 }
 
 impl Scene {
-    /// Facts of the scene.
+    /// Return the facts of the scene.
     pub fn facts(&self) -> Facts {
         let beams: Vec<_> = self.beams_with_rods().map(|beam| beam_facts(self, &beam)).collect();
         let sizes = sizes(self, &beams);
@@ -241,7 +241,7 @@ fn sizes(scene: &Scene, beams: &[BeamFacts]) -> Vec<(String, [f64; 2])> {
     sizes
 }
 
-/// Number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
+/// Return the number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
 fn fluid_steps(step: f64, fluid: &Fluid, cfl: Option<f64>) -> u64 {
     let at_least_one = |ratio: f64| (ratio - ROUNDING).ceil().max(1.0);
     let stepping = &fluid.time_stepping;
@@ -307,7 +307,7 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
     }
 }
 
-/// Numbers of a body if it is on springs, in a flow of a velocity.
+/// Return the numbers of a body if it is on springs, in a flow of a velocity.
 fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts> {
     let mount = body.mount.as_ref()?;
     let [length, _] = body.shape.size();
@@ -338,12 +338,12 @@ fn strain_factor(fluid: &Fluid, i: usize) -> f64 {
     if fluid.obstacles().nth(i).is_some_and(|own| is_round(own.body)) { 4.0 } else { 2.0 }
 }
 
-/// Length of a vector. In the plane it has the bits of `hypot`.
+/// Return the length of a vector. In the plane it has the bits of `hypot`.
 fn speed([x, y, z]: [f64; 3]) -> f64 {
     f64::hypot(f64::hypot(x, y), z)
 }
 
-/// Velocities of the flow that the scene asks for.
+/// Return the velocities of the flow that the scene asks for.
 fn streams(fluid: &Fluid) -> Vec<Drive> {
     let mut streams = Vec::new();
     let mut add = |speed: f64, name: &str, frequency| streams.push(Drive { speed, name: name.into(), frequency });
@@ -365,8 +365,8 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
     streams
 }
 
-/// Largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only turns, of the
-/// tip of a beam as if it were rigid.
+/// Return the largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only
+/// turns, of the tip of a beam as if it were rigid.
 fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
     let mut motions = Vec::new();
@@ -391,7 +391,8 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     motions
 }
 
-/// Distance from the pivot of a body to its farthest point, m; of an outline with an axis, to an end of the axis.
+/// Return the distance from the pivot of a body to its farthest point, m; of an outline with an axis, to an end of the
+/// axis.
 fn reach(body: &Body) -> f64 {
     let from_pivot = |[x, y]: [f64; 2]| f64::hypot(x - body.pivot[0], y - body.pivot[1]);
     match &body.shape {
@@ -410,7 +411,7 @@ fn norm(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 impl InflowProfile {
-    /// Largest velocity of the profile by its mean.
+    /// Return the largest velocity of the profile by its mean.
     fn peak(self) -> f64 {
         match self {
             Self::Uniform => 1.0,
@@ -420,9 +421,9 @@ impl InflowProfile {
 }
 
 impl Shape {
-    /// Reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the largest face
-    /// of a cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis,
-    /// one side of a surface.
+    /// Return the reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the
+    /// largest face of a cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along
+    /// its axis, one side of a surface.
     fn reference_area(&self, ends: &[[f64; 2]]) -> f64 {
         let two_largest = |lengths: &[f64; 3]| {
             let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
@@ -440,9 +441,9 @@ impl Shape {
         }
     }
 
-    /// Length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest distance of two
-    /// corners, and its area by that; of a line the largest distance of two points, and 0; of a surface the largest
-    /// side of the frame around it, and 0.
+    /// Return the length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest
+    /// distance of two corners, and its area by that; of a line the largest distance of two points, and 0; of a surface
+    /// the largest side of the frame around it, and 0.
     pub fn size(&self) -> [f64; 2] {
         match self {
             Self::Circle { radius } | Self::Sphere { radius } => [2.0 * radius; 2],

@@ -62,66 +62,66 @@ impl Fault {
         self
     }
 
-    /// The text is not JSON that a scene could be; `text` is the sentence.
+    /// Report that the text is not JSON that a scene could be; `text` is the sentence.
     pub(crate) fn syntax(key: &str, text: String) -> Self {
         Self::new(FaultKind::Syntax, key, text)
     }
 
-    /// The key `key` appears again after `line`.
+    /// Report that the key `key` appears again after `line`.
     pub(crate) fn duplicate(key: &str, line: usize) -> Self {
         Self::new(FaultKind::Duplicate, key, format!("duplicate key `{key}`: line {line} has it already"))
     }
 
-    /// The scene has the format `value`; `text` is the sentence.
+    /// Report that the scene has the format `value`; `text` is the sentence.
     pub(crate) fn format(value: &str, allowed: &str, text: String) -> Self {
         Self::new(FaultKind::Format, "format", text).with(Some(value), allowed)
     }
 
-    /// The key `key` is unknown; `hint` names a likely one, or else the known ones.
+    /// Report that the key `key` is unknown; `hint` names a likely one, or else the known ones.
     pub(crate) fn unknown(key: &str, known: &str, hint: &str) -> Self {
         Self::new(FaultKind::Unknown, key, format!("unknown key `{key}`: {hint}")).with(None, known)
     }
 
-    /// The required key `key` is absent.
+    /// Report that the required key `key` is absent.
     pub(crate) fn missing(key: &str, allowed: &str) -> Self {
         Self::new(FaultKind::Missing, key, format!("missing required key `{key}` ({allowed})")).with(None, allowed)
     }
 
-    /// The value of `key` has the wrong type; `hint` follows the sentence.
+    /// Report that the value of `key` has the wrong type; `hint` follows the sentence.
     pub(crate) fn type_of(key: &str, value: &str, allowed: &str, hint: &str) -> Self {
         let text = format!("`{key}` must be {allowed}, not {value}{hint}");
         Self::new(FaultKind::Type, key, text).with(Some(value), allowed)
     }
 
-    /// The value of `key` is out of range.
+    /// Report that the value of `key` is out of range.
     pub(crate) fn range(key: &str, value: &str, allowed: &str) -> Self {
         let text = format!("`{key}` is out of range: {value} is not {allowed}");
         Self::new(FaultKind::Range, key, text).with(Some(value), allowed)
     }
 
-    /// The list `key` has a wrong number of parts.
+    /// Report that the list `key` has a wrong number of parts.
     pub(crate) fn length(key: &str, count: usize, allowed: &str) -> Self {
         let value = format!("a list of {count}");
         let text = format!("`{key}` must be {allowed}, not {value}");
         Self::new(FaultKind::Range, key, text).with(Some(&value), allowed)
     }
 
-    /// The value of `key` contradicts another part of the scene.
+    /// Report that the value of `key` contradicts another part of the scene.
     pub(crate) fn conflict(key: &str, value: &str, reason: &str) -> Self {
         Self::new(FaultKind::Conflict, key, format!("`{key}` is {value}, but {reason}")).with(Some(value), reason)
     }
 
-    /// The value of `key` has an effect that is not allowed; `effect` and `reason` end the sentence.
+    /// Report that the value of `key` has an effect that is not allowed; `effect` and `reason` end the sentence.
     pub(crate) fn consequence(key: &str, effect: &str, reason: &str) -> Self {
         Self::new(FaultKind::Conflict, key, format!("`{key}` {effect}, {reason}")).with(None, reason)
     }
 
-    /// The key `key` contradicts another part of the scene by being present.
+    /// Report that the key `key` contradicts another part of the scene by being present.
     pub(crate) fn superfluous(key: &str, reason: &str) -> Self {
         Self::new(FaultKind::Conflict, key, format!("`{key}` is not allowed here: {reason}")).with(None, reason)
     }
 
-    /// The key `key` is absent, and another part of the scene needs it.
+    /// Report that the key `key` is absent, and another part of the scene needs it.
     pub(crate) fn needed(key: &str, reason: &str) -> Self {
         Self::new(FaultKind::Conflict, key, format!("`{key}` is missing: {reason}")).with(None, reason)
     }
@@ -184,17 +184,17 @@ impl Faults {
         self.require(low < high, key, format!("[{low}, {high}]"), || "the first number must be the smaller".into())
     }
 
-    /// Whether as many faults were found as are listed.
+    /// Return whether as many faults were found as are listed.
     pub fn are_full(&self) -> bool {
         self.list.len() == MOST_FAULTS
     }
 
-    /// Number of faults.
+    /// Return the number of faults.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// The list.
+    /// Return the list.
     pub fn into_list(self) -> Vec<Fault> {
         self.list
     }
@@ -238,13 +238,13 @@ pub enum SceneError {
     Faults(Vec<Fault>),
 }
 
-/// The faults as one text.
+/// Return the faults as one text.
 fn sentences(faults: &[Fault]) -> String {
     let each: Vec<_> = faults.iter().map(|fault| format!("scene: {fault}")).collect();
     each.join("\n")
 }
 
-/// At most the first characters of `text`.
+/// Return at most the first characters of `text`.
 pub(crate) fn shorten(text: &str) -> String {
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -252,12 +252,12 @@ pub(crate) fn shorten(text: &str) -> String {
     }
 }
 
-/// Names of keys in a sentence, `` `a`, `b` and `c` ``.
+/// Return the names of keys in a sentence, `` `a`, `b` and `c` ``.
 pub(crate) fn list(names: impl IntoIterator<Item = impl fmt::Display>, word: &str) -> String {
     join(&names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>(), word)
 }
 
-/// `a, b and c`.
+/// Return `a, b and c`.
 pub(crate) fn join(parts: &[String], word: &str) -> String {
     match parts {
         [] => String::new(),

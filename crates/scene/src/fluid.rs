@@ -281,8 +281,8 @@ impl Fluid {
         self.r#box.z.is_some()
     }
 
-    /// Return the largest |u|/dx + |v|/dy + |w|/dz of initial velocity, inflow, mean flow and sponge, 1/s. Around bodies
-    /// the flow is faster.
+    /// Return the largest |u|/dx + |v|/dy + |w|/dz of initial velocity, inflow, mean flow and sponge, 1/s. Around
+    /// bodies the flow is faster.
     pub(crate) fn advection_rate(&self) -> f64 {
         let spacing = self.r#box.spacing();
         let rate = |(spacing, velocity): (&f64, f64)| velocity.abs() / spacing;

@@ -144,7 +144,7 @@ impl Parser<'_> {
         Ok(content)
     }
 
-    /// After a part of a list or an object: whether another follows.
+    /// Return whether another part of a list or an object follows.
     fn another(&mut self, close: char) -> Result<bool, Stop> {
         self.skip_space();
         match self.peek().map(char::from) {
@@ -251,7 +251,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `null`, `true`, `false`, or a number.
+    /// Read `null`, `true`, `false`, or a number.
     fn word(&mut self) -> Result<Content, Stop> {
         let part_of_word = |c: char| c.is_alphanumeric() || "+-._".contains(c);
         let token = self.rest().split(|c| !part_of_word(c)).next().unwrap_or_default();
@@ -272,7 +272,7 @@ impl Parser<'_> {
     }
 }
 
-/// Whether `token` is a number that is too large for a double.
+/// Return whether `token` is a number that is too large for a double.
 fn is_too_large(token: &str) -> bool {
     token.starts_with(|c: char| c == '-' || c.is_ascii_digit()) && token.parse().is_ok_and(f64::is_infinite)
 }
@@ -287,7 +287,7 @@ impl Node {
         begin as usize
     }
 
-    /// Whether this tree and another agree at `key`: in its value, or in its absence from the same part.
+    /// Return whether this tree and another agree at `key`: in its value, or in its absence from the same part.
     pub fn agrees_at(&self, other: &Self, key: &str) -> bool {
         let (mut own, mut others, mut rest) = (self, other, key);
         loop {
@@ -328,7 +328,7 @@ impl Node {
         members.iter().find(|member| member.name == key).map(|member| &member.value)
     }
 
-    /// Whether two values are equal, wherever they stand.
+    /// Return whether two values are equal, wherever they stand.
     fn same(&self, other: &Self) -> bool {
         match (&self.content, &other.content) {
             (Content::Null, Content::Null) | (Content::Unusable, Content::Unusable) => true,

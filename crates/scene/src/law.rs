@@ -118,7 +118,7 @@ impl From<Table> for Points {
     }
 }
 
-/// Tell whether `times` increase.
+/// Return whether `times` increase.
 fn increase(times: &[f64]) -> bool {
     times.windows(2).all(|pair| pair[0] < pair[1])
 }
@@ -183,7 +183,7 @@ impl Table {
 }
 
 impl Default for TimeLaw {
-    /// 0 at all times.
+    /// Return 0 at all times.
     fn default() -> Self {
         Self::Constant(0.0)
     }

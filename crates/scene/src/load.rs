@@ -57,7 +57,7 @@ impl Scene {
         }
     }
 
-    /// Whether the pressure around the rods strains them along their axis.
+    /// Return whether the pressure around the rods strains them along their axis.
     pub fn axial_pressure_strain(&self) -> bool {
         self.coupling.as_ref().is_some_and(|coupling| coupling.axial_pressure_strain)
     }

@@ -48,7 +48,7 @@ pub(crate) struct Memory {
 /// Checks the places of parts again and again, and warns of each thing once.
 pub(crate) struct Monitor<'a> {
     pub fluid: Option<&'a Fluid>,
-    pub parts: &'a [Part],
+    pub parts: Vec<&'a Part>,
     pub memory: Memory,
     /// Number of dimensions.
     pub axes: usize,
@@ -63,8 +63,9 @@ type See<'a> = &'a mut dyn FnMut(&str, [f64; 2], bool, &dyn Fn() -> String);
 impl Monitor<'_> {
     /// Return the warnings at time `t` (s) from the present shapes; the place of a part may be unknown.
     pub fn check(&mut self, t: f64, now: &[Option<Shape>]) -> Vec<Warning> {
-        let (mut found, parts) = (Vec::new(), self.parts);
-        let known: Vec<_> = parts.iter().zip(now).filter_map(|(part, shape)| Some((part, shape.as_ref()?))).collect();
+        let mut found = Vec::new();
+        let known = self.parts.iter().zip(now).filter_map(|(part, shape)| Some((*part, shape.as_ref()?)));
+        let known: Vec<_> = known.collect();
         for (part, shape) in &known {
             let (memory, is_run) = (&mut self.memory, self.is_run);
             let see: See = &mut |limit, [reached, allowed], may_start, text| {
@@ -256,7 +257,8 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, f64::INFINITY);
     }
     let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
-    let mut monitor = Monitor { fluid, parts: &parts, memory: places.memory.unwrap_or_default(), axes, is_run: true };
+    let mut monitor =
+        Monitor { fluid, parts: parts.iter().collect(), memory: places.memory.unwrap_or_default(), axes, is_run: true };
     let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();
     Answer { warnings, memory: monitor.memory }
 }

@@ -201,7 +201,8 @@ fn check_widths(fluid: &Fluid, faults: &mut Faults) {
     }
 }
 
-/// Check that cylinders, stations and the wing lie inside the box at rest, and that no two beams of the plane are the same.
+/// Check that cylinders, stations and the wing lie inside the box at rest, and that no two beams of the plane are the
+/// same.
 fn check_ends(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
     let ends: Vec<_> = fluid.r#box.ends().collect();
     for (i, cylinder) in fluid.cylinders.iter().enumerate() {

@@ -9,7 +9,7 @@ use crate::json::{self, Content, Node};
 use crate::relations;
 use crate::scene::{FORMAT, Scene};
 
-/// The last text whose scene was [kept](kept), and that scene. A run asks a library for facts, a description, an instance
+/// The last text whose scene was [kept], and that scene. A run asks a library for facts, a description, an instance
 /// and, again and again, warnings of one text. What only makes instances keeps nothing, for a library that is unloaded
 /// would lose it.
 static LAST: Mutex<Option<(String, Scene)>> = Mutex::new(None);

@@ -95,7 +95,7 @@ pub struct SectionProfile {
 }
 
 impl Material {
-    /// Whether a number of the section has a profile.
+    /// Return whether a number of the section has a profile.
     pub fn varies(&self) -> bool {
         let Self::Section(section) = self else { return false };
         let SectionProfile { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = section;

@@ -56,7 +56,7 @@ impl From<f64> for Spanwise {
 }
 
 impl Spanwise {
-    /// Whether the quantity has a profile.
+    /// Return whether the quantity has a profile.
     pub fn varies(&self) -> bool {
         matches!(self, Self::Varying(_))
     }

@@ -19,7 +19,7 @@ pub(crate) enum Ends {
     Periodic,
 }
 
-/// Slopes at the points of the spline through `values` at increasing `times`, at least two, of equal number.
+/// Return the slopes at the points of the spline through `values` at increasing `times`, at least two, of equal number.
 pub(crate) fn slopes(times: &[f64], values: &[f64], ends: Ends) -> Vec<f64> {
     let widths: Vec<_> = times.windows(2).map(|t| t[1] - t[0]).collect();
     let secants: Vec<_> = values.windows(2).zip(&widths).map(|(v, width)| (v[1] - v[0]) / width).collect();
@@ -60,7 +60,7 @@ pub(crate) fn slopes(times: &[f64], values: &[f64], ends: Ends) -> Vec<f64> {
     }
 }
 
-/// Solution of a tridiagonal system whose rows are [below, diagonal, above, right side].
+/// Return the solution of a tridiagonal system whose rows are [below, diagonal, above, right side].
 fn solve(mut rows: Vec<[f64; 4]>) -> Vec<f64> {
     for i in 1..rows.len() {
         let [_, diagonal, above, right] = rows[i - 1];
@@ -77,7 +77,7 @@ fn solve(mut rows: Vec<[f64; 4]>) -> Vec<f64> {
     found
 }
 
-/// The same where the first unknown follows the last, by the Sherman–Morrison formula.
+/// Solve the same where the first unknown follows the last, by the Sherman–Morrison formula.
 fn solve_cyclic(mut rows: Vec<[f64; 4]>) -> Vec<f64> {
     let last = rows.len() - 1;
     let (corner_above, corner_below) = (rows[0][0], rows[last][2]);
@@ -99,7 +99,7 @@ fn solve_cyclic(mut rows: Vec<[f64; 4]>) -> Vec<f64> {
     found.iter().zip(&update).map(|(found, update)| found - factor * update).collect()
 }
 
-/// Value and rate at `t`, between the first and the last of `times`, of the spline with these `slopes`.
+/// Return the value and rate at `t`, between the first and the last of `times`, of the spline with these `slopes`.
 pub(crate) fn value_and_rate(times: &[f64], values: &[f64], slopes: &[f64], t: f64) -> (f64, f64) {
     let i = times.partition_point(|&time| time <= t).clamp(1, times.len() - 1) - 1;
     let width = times[i + 1] - times[i];
@@ -110,7 +110,7 @@ pub(crate) fn value_and_rate(times: &[f64], values: &[f64], slopes: &[f64], t: f
     (value, rate / width)
 }
 
-/// Largest magnitudes of the spline and of its rate.
+/// Return the largest magnitudes of the spline and of its rate.
 pub(crate) fn largest(times: &[f64], values: &[f64], slopes: &[f64]) -> [f64; 2] {
     let mut found = [0.0, 0.0];
     let mut see = |t: f64| {

@@ -58,11 +58,11 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         let parts = parts(scene, fluid, &ends);
         let start: Vec<_> = parts.iter().map(|own| own.motion.shape_at(&own.part.rest, 0.0, &ends)).collect();
         overlaps(scene, &parts, &start, ends.len(), &mut found);
+        found.extend(motions(scene, fluid, &parts, &start, &ends));
         found.extend(own_wake(scene, fluid, &parts));
         found.extend(probes(fluid, &parts, &start));
         found.extend(other_sponge(scene, fluid));
         found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
-        found.extend(motions(scene, fluid, parts, &start, &ends));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
     found
@@ -165,16 +165,16 @@ fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], axes: usize, found
 }
 
 /// Return the warnings about the motions that laws prescribe.
-fn motions(scene: &Scene, fluid: &Fluid, moving: Vec<Moving>, start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
-    let times = times(scene.time.end, &moving);
-    let (parts, motions): (Vec<_>, Vec<_>) = moving.into_iter().map(|Moving { part, motion }| (part, motion)).unzip();
-    let (is_moving, axes) = (parts.iter().any(|part| part.moves), ends.len());
+fn motions(scene: &Scene, fluid: &Fluid, moving: &[Moving], start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
+    let parts = moving.iter().map(|own| &own.part).collect();
+    let mut monitor =
+        Monitor { fluid: Some(fluid), parts, memory: Default::default(), axes: ends.len(), is_run: false };
     let mut now: Vec<_> = start.iter().cloned().map(Some).collect();
-    let mut monitor = Monitor { fluid: Some(fluid), parts: &parts, memory: Default::default(), axes, is_run: false };
     let mut found = monitor.check(0.0, &now);
-    for t in times.into_iter().skip(1).take_while(|_| is_moving) {
-        for ((shape, part), motion) in now.iter_mut().zip(&parts).zip(&motions).filter(|((_, part), _)| part.moves) {
-            *shape = Some(motion.shape_at(&part.rest, t, ends));
+    let is_moving = moving.iter().any(|own| own.part.moves);
+    for t in times(scene.time.end, moving).into_iter().skip(1).take_while(|_| is_moving) {
+        for (shape, own) in now.iter_mut().zip(moving).filter(|(_, own)| own.part.moves) {
+            *shape = Some(own.motion.shape_at(&own.part.rest, t, ends));
         }
         found.extend(monitor.check(t, &now));
     }

@@ -31,6 +31,7 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use method::Scheme;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
@@ -41,32 +42,13 @@ const LARGEST_RATIO: f64 = 2.4;
 /// Share of a step in the trapezoidal stage of TR-BDF2.
 pub const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// Implicit time scheme; each is of second order in the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Scheme {
-    /// Trapezoidal rule of the thesis (eq. 2.7), without numerical dissipation; unsafe for stiff axial modes.
-    Trapezoid,
-    /// Generalised-α (Chung & Hulbert 1993).
-    GeneralisedAlpha {
-        /// Spectral radius at infinite frequency, 0 … 1.
-        rho_inf: f64,
-    },
-    /// Trapezoid over 2 − √2 of the step, then BDF2 over the rest (Bank et al. 1985; Hosea & Shampine 1996).
-    #[default]
-    TrBdf2,
-    /// Two-step backward differences.
-    Bdf2,
-}
-
-impl Scheme {
-    /// Refuse a spectral radius outside its range.
-    pub fn check<F>(&self) -> Result<(), Error<F>> {
-        match *self {
-            Self::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
-                Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
-            }
-            _ => Ok(()),
+/// Refuse a spectral radius outside its range.
+pub fn check_scheme<F>(scheme: Scheme) -> Result<(), Error<F>> {
+    match scheme {
+        Scheme::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
+            Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
         }
+        _ => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use mesh::Mesh;
 use serde::{Deserialize, Serialize};
-use structure::{Scheme, not_negative, positive};
+use structure::{Scheme, check_scheme, not_negative, positive};
 
 use crate::geometry::Geometry;
 use crate::{Error, Wing};
@@ -207,7 +207,7 @@ impl Parameters {
         if let Some(longest) = self.max_step {
             positive("max_step", longest)?;
         }
-        self.scheme.check()?;
+        check_scheme(self.scheme)?;
         let mut used = vec![false; nodes];
         let corners = self.mesh.triangles.iter().flatten();
         corners.chain(self.veins.iter().flat_map(|vein| &vein.nodes)).for_each(|&k| used[k] = true);
