@@ -2,9 +2,9 @@
 
 use std::fmt::Debug;
 
-use geometry::plane::{Outline, Section};
+use geometry::plane::Outline;
 use geometry::space::Solid;
-use geometry::{Nearest, Region};
+use geometry::{Nearest, Region, Section};
 
 use crate::space::{Space, Vector};
 

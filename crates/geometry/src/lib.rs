@@ -22,7 +22,7 @@ pub use bounds::{Bounds, beyond};
 pub use chain::Chain;
 pub use crossings::Crossings;
 pub use placed::Placed;
-pub use region::{Nearest, Region};
+pub use region::{Nearest, Region, Section};
 pub use segment::{crosses, distance, lies_on, meets, sides};
 pub use shape::{Shape, Touch};
 pub use surface::Surface;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::polygon;
-use crate::region::{Nearest, Region};
+use crate::region::{Nearest, Region, Section};
 
 /// Corners by which a round outline is drawn.
 const CORNERS: usize = 64;
@@ -31,17 +31,6 @@ pub enum Outline {
     Capsule([f64; 2]),
     /// Polygon with these corners in left-hand order, m.
     Polygon(Vec<[f64; 2]>),
-}
-
-/// Area and its moments.
-#[derive(Clone, Copy, Debug)]
-pub struct Section {
-    /// Area, m².
-    pub area: f64,
-    /// Centroid, m.
-    pub centroid: [f64; 2],
-    /// Polar second moment of area about the centroid, m⁴.
-    pub polar: f64,
 }
 
 impl Outline {

@@ -2,8 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use crate::plane::Section;
-use crate::region::Nearest;
+use crate::region::{Nearest, Section};
 
 /// Points along each side of the bounding rectangle at which the search for the largest circle begins.
 const SEARCH_POINTS: usize = 48;

@@ -12,6 +12,17 @@ pub struct Nearest<const D: usize> {
     pub normal: [f64; D],
 }
 
+/// Area and its moments.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    /// Area, m².
+    pub area: f64,
+    /// Centroid, m.
+    pub centroid: [f64; 2],
+    /// Polar second moment of area about the centroid, m⁴.
+    pub polar: f64,
+}
+
 /// A closed shape in its own axes.
 pub trait Region<const D: usize> {
     /// Return the nearest point of the surface.

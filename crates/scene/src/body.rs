@@ -1,6 +1,7 @@
 //! Rigid bodies in the fluid: shape, place, motion and mount.
 
-use geometry::plane::{Outline, Section};
+use geometry::Section;
+use geometry::plane::Outline;
 use geometry::space::Solid;
 use geometry::vector::{dot, norm, turned};
 use geometry::{Chain, Placed, Surface, lies_on, meets};

@@ -27,7 +27,8 @@ use crate::law::TimeLaw;
 use crate::law_warnings;
 use crate::root::RootMotion;
 use crate::scene::{BeamWithRod, Scene};
-use crate::warnings::{Warning, warnings};
+use crate::warning::Warning;
+use crate::warnings::warnings;
 use crate::wing::Wing;
 
 /// Relative part by which a step may exceed a limit without being divided.

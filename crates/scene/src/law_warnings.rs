@@ -12,7 +12,7 @@ use crate::law::TimeLaw;
 use crate::places::rounded;
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::Scene;
-use crate::warnings::Warning;
+use crate::warning::Warning;
 
 /// Part of the range of a table's values by which its spline may leave it.
 const OVERSHOOT: f64 = 0.5;

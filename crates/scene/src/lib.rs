@@ -33,6 +33,7 @@ mod spline;
 mod stepping;
 mod surface;
 mod unit;
+mod warning;
 mod warnings;
 mod wing;
 
@@ -57,7 +58,7 @@ pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
-pub use warnings::Warning;
+pub use warning::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingGroup, WingMesh, WingSupport};
 
 /// The example of the README, as a test.

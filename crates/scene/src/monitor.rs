@@ -11,7 +11,7 @@ use crate::fluid::Fluid;
 use crate::places::{AXES, blocked, rounded, shown, walls, zones};
 use crate::read::kept;
 use crate::scene::Scene;
-use crate::warnings::Warning;
+use crate::warning::Warning;
 
 /// Change of the length of a rod, by the smaller of the length and that at rest, above which the run warns of it.
 const STRETCH: f64 = 0.5;

@@ -2,7 +2,6 @@
 //! that meet their own wake, wakes that stay symmetric, weights that no rod carries.
 
 use geometry::{Shape, Surface, Touch, beyond};
-use serde::Serialize;
 
 use crate::body::Body;
 use crate::fluid::{Fluid, Obstacle};
@@ -11,6 +10,7 @@ use crate::monitor::{Monitor, Part};
 use crate::places::{self, AXES, Line, rounded, shown};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
+use crate::warning::Warning;
 
 /// Times at which motions are checked, over the whole run and once more at its beginning.
 const TIMES: usize = 2000;
@@ -38,17 +38,6 @@ const CHAIN: f64 = 1e5;
 
 /// Largest strain under the own weight.
 const STRETCH: f64 = 0.1;
-
-/// What may be a mistake in a scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Warning {
-    /// Path of the key.
-    pub key: String,
-    /// Time from which it holds, s; absent where it holds from the start.
-    pub time: Option<f64>,
-    /// The whole as a sentence.
-    pub text: String,
-}
 
 /// Return what may be a mistake in a scene without faults.
 pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
