@@ -233,3 +233,23 @@ fn parameters_without_a_step_are_refused() {
     assert!(refused(&|p| p.domain[2][1] = 0.0).contains("width of the domain along z is 0"));
     assert!(refused(&|p| p.kinematic_viscosity = f64::NAN).contains("kinematic viscosity is NaN"));
 }
+
+/// Each component of a disturbed start is a wave along the next axis beside the uniform velocity: there is no divergence
+/// and no mean.
+#[test]
+fn a_disturbance_is_a_wave_of_each_component_along_the_next_axis() {
+    let ends = [[-0.5, 1.0], [0.25, 1.25], [0.0, 2.0]];
+    let mut parameters = Parameters::new(ends, [12, 16, 20], 1.0, 0.01, 0.01);
+    (parameters.initial_velocity, parameters.disturbance) = ([0.7, -0.2, 0.4], Some(0.05));
+    let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+    for axis in 0..3 {
+        let next = (axis + 1) % 3;
+        let [low, high] = ends[next];
+        for (index, u) in fluid.velocity(axis).iter().enumerate() {
+            let wave = 0.05 * (TAU * (fluid.grid().point(index)[next] - low) / (high - low)).sin();
+            let expected = parameters.initial_velocity[axis] + wave;
+            assert!((u - expected).abs() < 1e-14, "{axis}, {index}: {u} against {expected}");
+        }
+    }
+    assert!(fluid.divergence() < 1e-13, "{}", fluid.divergence());
+}

@@ -26,8 +26,9 @@ pub struct Fluid {
     #[schemars(length(min = 2, max = 3))]
     pub initial_velocity: Vec<f64>,
     /// Amplitude a of a smooth disturbance of the initial velocity, m/s: the waves `a sin(2π (y − y_0)/L_y)` along x and
-    /// `a sin(2π (x − x_0)/L_x)` along y, in a box from x_0 and y_0 of the lengths L_x and L_y. Absent: none. A
-    /// symmetric flow needs one to shed vortices; a hundredth of the stream is enough.
+    /// `a sin(2π (x − x_0)/L_x)` along y, in a box from x_0 and y_0 of the lengths L_x and L_y; in space the wave along y
+    /// varies with z, and that along z with x. Absent: none. A symmetric flow needs one to shed vortices; a hundredth of
+    /// the stream is enough.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub disturbance: Option<f64>,
@@ -451,9 +452,6 @@ impl Fluid {
         if self.is_space() {
             let solid = || "in three dimensions a cylinder is one of the `bodies`".into();
             faults.forbid(!self.cylinders.is_empty(), &format!("{key}.cylinders"), solid);
-            faults.forbid(self.disturbance.is_some(), &format!("{key}.disturbance"), || {
-                "the fluid has three dimensions".into()
-            });
             let fits = scheme == TimeScheme::Sbdf2;
             faults.require(fits, &format!("{key}.time_stepping.scheme"), "rk2", || "in space it must be sbdf2".into());
         } else {
