@@ -107,10 +107,18 @@ impl<const D: usize> Grid<D> {
         mut point: [f64; D],
         visit: &mut impl FnMut(usize, [f64; D]),
     ) {
-        for i in ranges[axis].clone() {
-            let index = index * self.cells[axis] + wrap(i, self.cells[axis]);
-            point[axis] = self.origin[axis] + i as f64 * self.spacing[axis];
-            if axis + 1 == D { visit(index, point) } else { self.visit(ranges, axis + 1, index, point, visit) }
+        let (first, cells) = (index * self.cells[axis], self.cells[axis]);
+        let coordinate = |i: i64| self.origin[axis] + i as f64 * self.spacing[axis];
+        if axis + 1 == D {
+            for i in ranges[axis].clone() {
+                point[axis] = coordinate(i);
+                visit(first + wrap(i, cells), point);
+            }
+        } else {
+            for i in ranges[axis].clone() {
+                point[axis] = coordinate(i);
+                self.visit(ranges, axis + 1, first + wrap(i, cells), point, visit);
+            }
         }
     }
 
@@ -161,10 +169,11 @@ where
     /// Return the points around a point (m), two along each axis, and their weights in a linear interpolation.
     #[inline(always)] // A call would pass the pairs in memory, which takes as long as finding them.
     pub fn interpolation(&self, point: [f64; D]) -> <[f64; D] as Space<D>>::Corners {
-        let along = std::array::from_fn(|axis| {
+        let mut along = [[(0, 0.0); 2]; D];
+        for (axis, along) in along.iter_mut().enumerate() {
             let ((low, share), cells) = (self.split(axis, point[axis]), self.cells[axis]);
-            [(wrap(low, cells), 1.0 - share), (wrap(low.saturating_add(1), cells), share)]
-        });
+            *along = [(wrap(low, cells), 1.0 - share), (wrap(low.saturating_add(1), cells), share)];
+        }
         <[f64; D]>::corners(along, &self.cells)
     }
 }

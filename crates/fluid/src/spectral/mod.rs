@@ -87,13 +87,21 @@ impl<R: Real> Kernel for Moduli<'_, R> {
 
     #[inline(always)]
     fn run(self, _: impl Arithmetic<R>) {
-        let mut sums = [R::zero(); MOST_LANES];
-        for Pack { re, im } in self.line {
-            for lane in 0..R::LANES {
-                sums[lane] += re[lane].abs() + im[lane].abs();
+        /// Independent sums: no addition waits for the previous one.
+        const SUMS: usize = 4;
+        let mut sums = [[R::zero(); MOST_LANES]; SUMS];
+        let (quartets, rest) = self.line.as_chunks::<SUMS>();
+        for quartet in quartets {
+            for (sums, Pack { re, im }) in sums.iter_mut().zip(quartet) {
+                for lane in 0..R::LANES {
+                    sums[lane] += re[lane].abs() + im[lane].abs();
+                }
             }
         }
-        *self.sum = sums.iter().map(|sum| sum.to_f64()).sum();
+        for Pack { re, im } in rest {
+            (0..R::LANES).for_each(|lane| sums[0][lane] += re[lane].abs() + im[lane].abs());
+        }
+        *self.sum = sums.as_flattened().iter().map(|sum| sum.to_f64()).sum();
     }
 }
 
@@ -161,14 +169,16 @@ impl<R: Real, const D: usize> Kernel for AdvectionRate<'_, R, D> {
         const LANES: usize = 8;
         let Self { inv_spacing, velocity, .. } = self;
         let n = velocity[0].len();
-        let velocity = velocity.map(|u| &u[..n]);
+        let chunks = velocity.map(|u| &u.as_chunks::<LANES>().0[..n / LANES]);
         let mut largest = [R::zero(); LANES];
-        for first in (0..n / LANES * LANES).step_by(LANES) {
-            for (lane, largest) in largest.iter_mut().enumerate() {
-                let mut rate = R::zero();
-                for axis in 0..D {
-                    rate += velocity[axis][first + lane].abs() * inv_spacing[axis];
+        for i in 0..n / LANES {
+            let mut rates = [R::zero(); LANES];
+            for (chunks, inv_spacing) in chunks.iter().zip(inv_spacing) {
+                for (rate, u) in rates.iter_mut().zip(&chunks[i]) {
+                    *rate += u.abs() * inv_spacing;
                 }
+            }
+            for (largest, rate) in largest.iter_mut().zip(rates) {
                 *largest = if rate > *largest { rate } else { *largest };
             }
         }
