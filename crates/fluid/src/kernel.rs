@@ -13,12 +13,12 @@ pub struct Kernel {
     /// solutions alternate; those farther apart leak.
     pub spacing: f64,
     /// Length by which a free end of a line is drawn in, cells, because the kernel reaches beyond the last marker. With
-    /// it a line has the added mass of a plate of its length.
+    /// it a line has the added mass of a plate of its length and the kernel's thickness.
     pub drawn_in: f64,
 }
 
 impl Kernel {
-    const IN_PLANE: Self = Self { reach: 3, spacing: 1.75, drawn_in: 0.4 };
+    const IN_PLANE: Self = Self { reach: 3, spacing: 1.75, drawn_in: 0.43 };
     const IN_SPACE: Self = Self { reach: 2, spacing: 1.5, drawn_in: 0.4 };
 
     /// Return the kernel of a number of dimensions.

@@ -129,13 +129,14 @@ fn a_hairpin_has_finite_loads() {
     assert!(loads.iter().flatten().all(|force| force.abs() < 1e4), "{loads:?}");
 }
 
-/// A plate along y of length 1 with `motion` in the middle of a box, with `points` points a length.
-fn plate(size: f64, points: usize, motion: &str, more: &str) -> Fluid {
+/// A plate along y of length 1 with `motion` in the middle of a box, with `points` points a length and its place
+/// at a height.
+fn plate(size: f64, points: usize, height: f64, motion: &str, more: &str) -> Fluid {
     let (half, cells) = (0.5 * size, (size * points as f64) as usize);
     let text = format!(
         r#""kinematic_viscosity": 1e-9, "box": {{ "x": [-{half}, {half}], "y": [-{half}, {half}],
         "cells": [{cells}, {cells}] }}, "bodies": [{{ "shape": {{ "plate": {{ "length": 1 }} }},
-        "position": [0.01, 0], "angle": {}, {motion} }}] {more}"#,
+        "position": [0.01, {height}], "angle": {}, {motion} }}] {more}"#,
         0.5 * PI
     );
     fluid_of(&scene(&text, ""))
@@ -144,7 +145,8 @@ fn plate(size: f64, points: usize, motion: &str, more: &str) -> Fluid {
 /// A plate that the master moves and a beam that moves as if it were rigid are the same line.
 #[test]
 fn a_plate_is_a_rigid_beam() {
-    let (mut beam, mut plate) = (line(4.0, 24, ""), plate(4.0, 24, r#""motion": "master""#, ""));
+    let (mut beam, mut plate) =
+        (line(4.0, 24, ""), plate(4.0, 24, -0.5, r#""pivot": [-0.5, 0], "motion": "master""#, ""));
     let h = 2e-3;
     for k in 1..=30 {
         let (t, rate) = (h * f64::from(k), 0.8);
@@ -157,19 +159,18 @@ fn a_plate_is_a_rigid_beam() {
             stations.velocity[0][k] = 0.5 - rate * arm * cos;
             stations.velocity[1][k] = -rate * arm * sin;
         }
-        *plate.displacement_mut(0) =
-            Pose { position: [0.5 * t, 0.0].into(), angle: rate * t, velocity: [0.5, 0.0].into(), omega: rate };
+        let (position, velocity) =
+            ([0.5 * t + 0.5 * sin, 0.5 - 0.5 * cos].into(), [0.5 + 0.5 * rate * cos, 0.5 * rate * sin].into());
+        *plate.displacement_mut(0) = Pose { position, angle: rate * t, velocity, omega: rate };
         run(&mut beam, 1, h);
         run(&mut plate, 1, h);
     }
     let (one, other) = (beam.force_on_flexible(0), plate.force_on_body(0));
-    let root = [0, 1].map(|axis| beam.stations()[0].position[axis][0] - plate.pose(0).position[axis]);
-    let moment = one.moment + root[0] * one.force[1] - root[1] * one.force[0];
     let size = one.force[0].hypot(one.force[1]);
     for (name, found, expected) in [
         ("drag", other.force[0], one.force[0]),
         ("lift", other.force[1], one.force[1]),
-        ("moment", other.moment, moment),
+        ("moment", other.moment, one.moment),
     ] {
         assert!((found - expected).abs() < 1e-7 * size, "{name}: {found} against {expected}");
     }
@@ -182,7 +183,7 @@ fn a_plate_is_a_rigid_beam() {
 /// Added mass and moment of inertia over the density of a plate of length 1 in still fluid: the impulses of its start
 /// across and of its turn about the middle.
 fn added(size: f64, points: usize) -> [f64; 2] {
-    let mut plate = plate(size, points, r#""motion": "master""#, r#", "mean_flow": {}"#);
+    let mut plate = plate(size, points, 0.0, r#""motion": "master""#, r#", "mean_flow": {}"#);
     let (h, speed) = (2e-3, 1e-3);
     let mut impulses = [0.0; 2];
     let mut way = 0.0;
@@ -226,7 +227,7 @@ fn a_plate_on_springs_obeys_the_force() {
     for mass in [1e-6, 200.0, 3000.0] {
         let stiffness = (1000.0 * added + layer.max(mass)) * (2.0 * PI).powi(2);
         let mount = format!(r#""mount": {{ "mass": {mass}, "x": {{ "stiffness": {stiffness}, "rest": 0.01 }} }}"#);
-        let mut plate = plate(4.0, 24, &mount, r#", "mean_flow": {}"#);
+        let mut plate = plate(4.0, 24, 0.0, &mount, r#", "mean_flow": {}"#);
         let (mut last, mut crossings) = (-0.01, Vec::new());
         while crossings.len() < 3 && plate.time() < 3.0 {
             run(&mut plate, 1, h);
@@ -241,7 +242,7 @@ fn a_plate_on_springs_obeys_the_force() {
     }
     let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "x": {}, "y": { "stiffness": 50 },
         "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
-    let mut plate = plate(4.0, 24, mount, r#", "initial_velocity": [0.5, 0.1]"#);
+    let mut plate = plate(4.0, 24, 0.0, mount, r#", "initial_velocity": [0.5, 0.1]"#);
     let mut rates = Vec::new();
     for _ in 0..30 {
         run(&mut plate, 1, h);
@@ -286,7 +287,44 @@ fn a_line_along_a_stream_has_its_friction() {
     let [coarse, fine] = [12, 24].map(|points| drag(points) / expected - 1.0);
     let limit = 2.0 * fine - coarse;
     println!("friction: {coarse}, {fine}, {limit}");
-    assert!(coarse < 0.33 && fine < 0.19 && limit.abs() < 0.04, "{coarse}, {fine}, {limit}");
+    assert!(coarse.abs() < 0.06 && fine.abs() < 0.03 && limit.abs() < 0.03, "{coarse}, {fine}, {limit}");
+}
+
+/// Return mean drag and lift coefficients, from t = 1 to 3.9, of a plate at an angle (degrees) that starts by a jump at Re
+/// 100, in a box of 6 x 4 chords.
+fn of_plate_in_a_stream(points: usize, angle: f64) -> [f64; 2] {
+    let h = 1.0 / points as f64;
+    let text = format!(
+        r#""kinematic_viscosity": 0.01, "box": {{ "x": [0, 6], "y": [0, 4], "cells": [{}, {}] }},
+        "initial_velocity": [1, 0], "mean_flow": {{ "x": {{ "constant": 1 }} }}, "bodies": [{{
+        "shape": {{ "plate": {{ "length": 1 }} }}, "position": [{}, {}], "angle": {} }}]"#,
+        6 * points,
+        4 * points,
+        1.7 + 0.13 * h,
+        2.0 + 0.29 * h,
+        -angle.to_radians()
+    );
+    let (mut fluid, dt) = (fluid_of(&scene(&text, "")), 0.2 * h / 1.5);
+    run(&mut fluid, (1.0 / dt) as usize, dt);
+    let (mut sums, steps) = ([0.0; 2], (2.9 / dt) as usize);
+    for _ in 0..steps {
+        run(&mut fluid, 1, dt);
+        let force = fluid.force_on_body(0).force;
+        [0, 1].iter().for_each(|axis| sums[*axis] += force[*axis] / 500.0);
+    }
+    sums.map(|sum| sum / steps as f64)
+}
+
+/// Markers that slip have the forces of fine grids on a dozen cells a chord; without slip the lift at 30° is a quarter
+/// too small. Expected is what 160 cells a chord have, at 60° the limit of 48 and 96.
+#[test]
+fn a_plate_at_an_angle_has_its_forces_on_twelve_cells() {
+    for (angle, drag, lift) in [(30.0, 1.135, 1.711), (60.0, 2.80, 1.478), (90.0, 3.037, 0.0)] {
+        let [found_drag, found_lift] = of_plate_in_a_stream(12, angle);
+        let off = [(found_drag - drag) / drag, (found_lift - lift) / drag];
+        println!("{angle}: {found_drag}, {found_lift}");
+        assert!(off[0].abs() < 0.03 && off[1].abs() < 0.03, "{angle}: {found_drag}, {found_lift} for {drag}, {lift}");
+    }
 }
 
 /// A flag on a cylinder leaves no gap and drags nothing twice: the forces are those of a line that begins inside the

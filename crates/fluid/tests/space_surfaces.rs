@@ -47,8 +47,7 @@ fn stream(speed: [f64; 3], nu: f64, cells: usize) -> Parameters {
 
 /// A disk of radius a drags with 16 mu a U across a slow stream and with 32/3 mu a U along it (Happel & Brenner, Low
 /// Reynolds Number Hydrodynamics, 5-8); in a cubic lattice of period L a body whose drag is that of a sphere of radius
-/// b drags 1/(1 − 2.837 b/L + 4.19 (b/L)³) times as much (Hasimoto 1959). The layer that the markers stand for is 1.3
-/// cells thick, so that the drag along the stream has an error of first order.
+/// b drags 1/(1 − 2.837 b/L + 4.19 (b/L)³) times as much (Hasimoto 1959). Errors are of first order.
 #[test]
 fn a_disk_has_its_drag_in_a_slow_stream() {
     let radius = 0.16;
@@ -65,7 +64,7 @@ fn a_disk_has_its_drag_in_a_slow_stream() {
             force[0] / expected - 1.0
         });
         println!("{angle:.2}: {coarse:+.4}, {fine:+.4}, limit {:+.4}", 2.0 * fine - coarse);
-        assert!(fine.abs() < 0.16 && (2.0 * fine - coarse).abs() < 0.04, "{angle}: {coarse}, {fine}");
+        assert!(fine.abs() < 0.05 && (2.0 * fine - coarse).abs() < 0.04, "{angle}: {coarse}, {fine}");
     }
 }
 
@@ -148,8 +147,10 @@ fn a_plate_that_laws_move_is_that_whose_nodes_are_set() {
             assert!(off < 1e-9 * expected[1].abs().max(1e-2), "{step}: {found:?} against {expected:?}");
         }
     }
-    let power = by_laws.power_on_body(0) / by_nodes.exchange()[0].power - 1.0;
-    assert!(power.abs() < 0.2, "{power}: the power of the force has the unsteady term, that of the exchange not");
+    let (force, pose) = (by_nodes.force_on_flexible(0), by_laws.pose(0));
+    let moment = force.moment - pose.position.cross(&force.force);
+    let (found, expected) = (by_laws.power_on_body(0), force.force.dot(&pose.velocity) + moment.dot(&pose.omega));
+    assert!((found - expected).abs() < 3e-3 * expected.abs(), "{found} against {expected}");
     assert!(by_laws.markers() == by_nodes.markers() && by_laws.loads().is_empty());
 }
 

@@ -333,10 +333,10 @@ where
         for (known, rigid) in on_rigid.iter_mut().zip(&self.rigid) {
             let mut sum = Force::default();
             rigid.cells.iter().for_each(|cell| sum.add(&drag(cell), &cell.arm));
-            let displaced = rigid.displaced(self.density);
             match &rigid.spring_motion {
-                Some(found) => known.update_with(sum, found.unsteady, displaced),
-                None => known.update(sum, displaced, dt),
+                Some(found) => known.update_with(sum, found.unsteady, rigid.displaced(self.density)),
+                None if rigid.is_thin() => (),
+                None => known.update(sum, rigid.displaced(self.density), dt),
             }
         }
         for beam in &self.beams {

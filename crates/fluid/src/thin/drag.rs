@@ -6,17 +6,19 @@ use super::markers::Markers;
 use super::system::System;
 use crate::field::Field;
 use crate::grid::Grid;
+use crate::space::Vector;
 
 /// Markers with the forces of the last solve.
 pub struct MarkerDrag<const D: usize> {
     /// The markers.
     pub markers: Markers<D>,
     system: System<D>,
-    /// Force on each marker over the density, per axis: m³/s² in two dimensions, m⁴/s² in space.
-    pub force: [Vec<f64>; D],
+    /// Force on each marker over the density: m³/s² in two dimensions, m⁴/s² in space.
+    pub force: Vec<Vector<D>>,
     /// Decrease of that force if all markers become faster, m²/s or m³/s.
     pub slope: Vec<f64>,
-    right_side: [Vec<f64>; D],
+    right_side: Vec<Vector<D>>,
+    response: Vec<Vector<D>>,
 }
 
 /// Grid points around the markers with the drag of a mask, in ascending order.
@@ -50,8 +52,9 @@ impl<const D: usize> MarkerDrag<D> {
     /// The drag of markers that are not yet at a place.
     pub fn new(markers: Markers<D>) -> Self {
         let count = markers.len();
-        let zeros = || std::array::from_fn(|_| vec![0.0; count]);
-        Self { markers, system: System::new(count), force: zeros(), slope: vec![0.0; count], right_side: zeros() }
+        let zeros = || vec![Vector::zeros(); count];
+        let (force, right_side, response) = (zeros(), zeros(), zeros());
+        Self { markers, system: System::new(count), force, slope: vec![0.0; count], right_side, response }
     }
 
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
@@ -59,21 +62,16 @@ impl<const D: usize> MarkerDrag<D> {
     /// whether the solution was found.
     pub fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; D], grid: &Grid<D>) -> bool {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
+        self.markers.pass(first, &mut self.right_side);
         self.system.assemble(&self.markers, grid);
-        self.markers.interpolate(first, &mut self.right_side);
-        for (axis, flow) in self.right_side.iter_mut().enumerate() {
-            flow.iter_mut().zip(self.markers.velocities()).for_each(|(flow, own)| *flow -= own[axis]);
-        }
-        let Self { system, right_side, force, .. } = self;
-        right_side.iter().zip(force).all(|(right_side, force)| system.solve(right_side, force))
+        self.system.solve(&self.right_side, &mut self.force)
     }
 
-    /// Write −∂f/∂U, the decrease of the forces on all markers with a motion along any axis, of which `velocity` gives that
-    /// of a marker, after [`Self::solve`]. Return whether it was found.
-    pub fn respond(&mut self, velocity: impl Fn(usize, &Markers<D>) -> f64, response: &mut [f64]) -> bool {
-        let [motion, ..] = &mut self.right_side[..] else { return false };
-        motion.iter_mut().enumerate().for_each(|(k, own)| *own = velocity(k, &self.markers));
-        self.system.solve(motion, response)
+    /// Write −∂f/∂U, the decrease of the forces on all markers with a motion of which `velocity` gives that of a marker,
+    /// after [`Self::solve`]. Return whether it was found.
+    pub fn respond(&mut self, velocity: impl Fn(usize, &Markers<D>) -> Vector<D>, response: &mut [Vector<D>]) -> bool {
+        self.right_side.iter_mut().enumerate().for_each(|(k, own)| *own = velocity(k, &self.markers));
+        self.system.solve(&self.right_side, response)
     }
 
     /// Take the forces off `w`.
@@ -81,7 +79,7 @@ impl<const D: usize> MarkerDrag<D> {
         let scale = 1.0 / grid.cell_volume();
         self.markers.spread(&self.force, |point, sum| {
             for (w, sum) in w.iter_mut().zip(sum) {
-                w[point] = R::rounded(w[point].to_f64() - scale * sum);
+                w[point] = R::rounded(w[point].to_f64() - scale * *sum);
             }
         });
     }
@@ -104,11 +102,19 @@ impl<const D: usize> MarkerDrag<D> {
             Err(_) => right_side(point).map(|r| r / c_0),
         };
         let mut found = self.solve(c_0, rate, first, grid);
-        let [ones, ..] = &mut self.right_side[..] else { return };
-        ones.fill(1.0);
-        found &= self.system.solve(ones, &mut self.slope);
+        self.slope.fill(0.0);
+        let Self { markers, system, slope, right_side, response, .. } = self;
+        for axis in 0..D {
+            right_side.fill(Vector::from_fn(|own, _| if own == axis { 1.0 } else { 0.0 }));
+            found &= system.solve(right_side, response);
+            for (k, (slope, response)) in slope.iter_mut().zip(&*response).enumerate() {
+                // The mean over the directions across the line or surface, in which the drag is largest.
+                let along = &markers.get(k).along;
+                *slope += (response[axis] - along.column(axis).dot(response)) / (D as f64 - along.trace());
+            }
+        }
         if !found {
-            self.slope.fill(f64::NAN);
+            slope.fill(f64::NAN);
         }
         // Where markers of two bodies or of a folded one crowd, the sum of a row may be negative; an impedance may not.
         self.slope.iter_mut().filter(|slope| **slope < 0.0).for_each(|slope| *slope = 0.0);

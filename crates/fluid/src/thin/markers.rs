@@ -2,8 +2,12 @@
 
 use std::ops::Range;
 
+use nalgebra::SMatrix;
+
+use super::slip::Slip;
 use crate::grid::Grid;
 use crate::kernel::Kernel;
+use crate::space::Vector;
 
 /// Markers with their grid points.
 pub struct Markers<const D: usize> {
@@ -22,19 +26,23 @@ pub struct Markers<const D: usize> {
     inverse: Vec<f64>,
     uniform: Option<f64>,
     /// What is interpolated or spread, at each of `points`.
-    at_points: Vec<[f64; D]>,
+    at_points: Vec<Vector<D>>,
 }
 
 /// A marker.
 #[derive(Clone)]
 pub struct Marker<const D: usize> {
     /// Position, m, and velocity, m/s.
-    pub position: [f64; D],
-    pub velocity: [f64; D],
+    pub position: Vector<D>,
+    pub velocity: Vector<D>,
     /// Length or area that it stands for, m or m².
     pub measure: f64,
     /// Drag rate of the line or surface, m/s.
     kappa: f64,
+    /// Projection of a vector on the line or surface.
+    pub along: SMatrix<f64, D, D>,
+    /// Its slip.
+    pub slip: Slip,
     /// First grid point along each axis, and the weights from there on.
     spans: [(usize, Range<usize>); D],
     /// Its grid points in `weights` and `places`.
@@ -60,10 +68,11 @@ impl<const D: usize> Default for Markers<D> {
 
 impl<const D: usize> Markers<D> {
     /// Add a marker that stands for a length or area (m or m²), with the drag rate of the line or surface (m/s).
-    pub fn add(&mut self, measure: f64, kappa: f64) {
+    pub fn add(&mut self, measure: f64, kappa: f64, slip: Slip) {
         let spans = std::array::from_fn(|_| (0, 0..0));
-        let (position, velocity) = ([0.0; D], [0.0; D]);
-        self.own.push(Marker { position, velocity, measure, kappa, spans, points: 0..0 });
+        let zero = Vector::zeros();
+        let along = SMatrix::zeros();
+        self.own.push(Marker { position: zero, velocity: zero, measure, kappa, along, slip, spans, points: 0..0 });
     }
 
     /// Return the number of markers.
@@ -79,11 +88,6 @@ impl<const D: usize> Markers<D> {
     /// Return a marker, to be moved before [`Self::find_cells`].
     pub fn get_mut(&mut self, k: usize) -> &mut Marker<D> {
         &mut self.own[k]
-    }
-
-    /// Return the velocities, m/s.
-    pub fn velocities(&self) -> impl Iterator<Item = [f64; D]> {
-        self.own.iter().map(|marker| marker.velocity)
     }
 
     /// Find the grid points around the markers at their present places.
@@ -130,33 +134,34 @@ impl<const D: usize> Markers<D> {
         self.weighed.extend(pairs.map(|(place, weight)| weight * self.inverse[*place as usize]));
     }
 
-    /// Write a field of vectors, given at a grid point, as interpolated at the markers, `[D][markers]`.
-    pub fn interpolate(&mut self, field: impl Fn(usize) -> [f64; D], values: &mut [Vec<f64>; D]) {
+    /// Write the mean velocity (m/s) of the flow, given at a grid point, past each marker, and let the markers slip by it.
+    pub fn pass(&mut self, flow: impl Fn(usize) -> [f64; D], passing: &mut [Vector<D>]) {
         let Self { own, weights, points, places, at_points, .. } = self;
         at_points.clear();
-        at_points.extend(points.iter().map(|point| field(*point)));
-        for (k, marker) in own.iter().enumerate() {
-            let mut sum = [0.0; D];
+        at_points.extend(points.iter().map(|point| Vector::from(flow(*point))));
+        for (marker, passing) in own.iter_mut().zip(passing) {
+            let (mut mean, mut square) = (Vector::zeros(), 0.0);
             for (place, weight) in places[marker.points.clone()].iter().zip(&weights[marker.points.clone()]) {
-                sum.iter_mut().zip(at_points[*place as usize]).for_each(|(sum, field)| *sum += weight * field);
+                let velocity = at_points[*place as usize] - marker.velocity;
+                mean += velocity * *weight;
+                square += velocity.dot(&velocity) * weight;
             }
-            values.iter_mut().zip(sum).for_each(|(values, sum)| values[k] = sum);
+            *passing = mean;
+            marker.slip.speed = square.max(0.0).sqrt();
         }
     }
 
-    /// Call `add` with each grid point and the sum over the markers there of vectors, `[D][markers]`, times their
-    /// weights over C.
-    pub fn spread(&mut self, vectors: &[Vec<f64>; D], mut add: impl FnMut(usize, [f64; D])) {
+    /// Call `add` with each grid point and the sum over the markers there of vectors times their weights over C.
+    pub fn spread(&mut self, vectors: &[Vector<D>], mut add: impl FnMut(usize, &Vector<D>)) {
         let Self { own, weighed, points, places, at_points, .. } = self;
         at_points.clear();
-        at_points.resize(points.len(), [0.0; D]);
-        for (k, marker) in own.iter().enumerate() {
-            let vector = vectors.each_ref().map(|vectors| vectors[k]);
+        at_points.resize(points.len(), Vector::zeros());
+        for (marker, vector) in own.iter().zip(vectors) {
             for (place, weight) in places[marker.points.clone()].iter().zip(&weighed[marker.points.clone()]) {
-                at_points[*place as usize].iter_mut().zip(vector).for_each(|(sum, part)| *sum += weight * part);
+                at_points[*place as usize] += vector * *weight;
             }
         }
-        points.iter().zip(at_points).for_each(|(point, sum)| add(*point, *sum));
+        points.iter().zip(at_points).for_each(|(point, sum)| add(*point, sum));
     }
 
     /// Return the first grid point of a marker along each axis.
@@ -164,10 +169,10 @@ impl<const D: usize> Markers<D> {
         self.own[k].spans.each_ref().map(|(first, _)| *first)
     }
 
-    /// Return the inverse of the drag rate of a marker times what it stands for: s/m² in two dimensions.
-    pub fn inverse_drag(&self, k: usize) -> f64 {
-        let Marker { measure, kappa, .. } = self.own[k];
-        1.0 / (kappa * measure)
+    /// Return the inverse of the drag rate of a marker times what it stands for, for each axis: s/m² in two dimensions.
+    pub fn inverse_drag(&self, k: usize) -> SMatrix<f64, D, D> {
+        let Marker { measure, kappa, along, slip, .. } = &self.own[k];
+        (SMatrix::from_diagonal_element(1.0 / kappa) + along * slip.resistance()) / *measure
     }
 
     /// Return `Σ w_j w_k/C` over the grid points that two markers share, s; none if they share no point.

@@ -15,18 +15,20 @@ mod drag;
 mod markers;
 mod parts;
 mod rigid;
+mod slip;
 mod stress;
 mod surface;
 mod system;
 
 use line_fft::Real;
+use nalgebra::SMatrix;
 
 use crate::bodies::{Bodies, Carried, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
 use crate::kernel::{ROD_SECTION_CELLS, layer_thickness};
-use crate::parameters::{Extent, Flexible, Motion, Parameters};
+use crate::parameters::{Extent, Flexible, Parameters};
 use crate::space::{Space, Vector};
 use crate::stations::{Loads, Stations};
 
@@ -34,19 +36,31 @@ use drag::{Dragged, MarkerDrag};
 use markers::Markers;
 use parts::Parts;
 use rigid::{Responses, RigidNodes};
+use slip::Slip;
 use stress::LineStress;
+use surface::Facets;
 
 /// A thin body.
 struct Thin<const D: usize> {
     /// Number of its force among those of all bodies.
     number: usize,
     parts: Parts,
+    /// What turns the markers with the nodes.
+    facing: Facing,
     /// Fluid that moves with each marker, m³, or m² in the plane.
     layers: Vec<f64>,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
     /// Stress on a line in the plane.
     stress: Option<LineStress>,
+}
+
+/// What turns the markers of a body.
+enum Facing {
+    /// The markers beside each one.
+    Line,
+    /// The triangles of each.
+    Surface(Facets),
 }
 
 /// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
@@ -57,7 +71,7 @@ pub struct ThinBodies<const D: usize> {
     rigid: Vec<RigidNodes<D>>,
     drag: MarkerDrag<D>,
     dragged: Dragged<D>,
-    responses: Responses,
+    responses: Responses<D>,
     /// Density of the fluid, kg/m³.
     density: f64,
 }
@@ -66,27 +80,56 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    fn new(number: usize, body: &Flexible<D>, c_eta: f64, cell: f64, markers: &mut Markers<D>) -> Self {
+    fn new(number: usize, body: &Flexible<D>, c_eta: f64, nu: f64, cell: f64, markers: &mut Markers<D>) -> Self {
         let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
         let mut stress = None;
-        let (parts, measures, layer) = match &body.extent {
+        let (parts, facing, measures, edges, layer) = match &body.extent {
             Extent::Surface(triangles) => {
-                let (parts, areas) = surface::parts(&body.nodes_in_space(), triangles, cell, first);
-                (parts, areas, thickness)
+                let surface::Patches { parts, facets, areas, edges } =
+                    surface::patches(&body.nodes_in_space(), triangles, cell, first);
+                (parts, Facing::Surface(facets), areas, edges, thickness)
             }
             extent => {
                 let free = if let Extent::Line { free } = extent { *free } else { [true; 2] };
-                let (parts, length) = Parts::of_line(&body.nodes, free, cell, first);
+                let (parts, edges, length) = Parts::of_line(&body.nodes, free, cell, first);
                 let measures = vec![length / parts.len() as f64; parts.len()];
                 if D == 2 {
                     stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
                 }
-                (parts, measures, if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell })
+                let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
+                (parts, Facing::Line, measures, edges, layer)
             }
         };
-        measures.iter().for_each(|measure| markers.add(*measure, layer / c_eta));
+        for (measure, edge) in measures.iter().zip(edges) {
+            let is_rod = D == 3 && matches!(facing, Facing::Line);
+            let slip = if is_rod { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
+            markers.add(*measure, layer / c_eta, slip);
+        }
         let layers = measures.iter().map(|measure| layer * measure).collect();
-        Self { number, parts, layers, pivot: body.pivot, stress }
+        Self { number, parts, facing, layers, pivot: body.pivot, stress }
+    }
+
+    /// Move the markers to the nodes.
+    fn place(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
+        self.parts.place(nodes, markers);
+        let own = self.parts.markers();
+        for k in own.clone() {
+            let normal_or_tangent = match &self.facing {
+                Facing::Line if own.len() > 1 => {
+                    let place = |k: usize| markers.get(k).position;
+                    place((k + 1).min(own.end - 1)) - place(k.max(own.start + 1) - 1)
+                }
+                Facing::Line => {
+                    let end = |k: usize| Vector::from(nodes.position.each_ref().map(|of| of[k]));
+                    end(nodes.len() - 1) - end(0)
+                }
+                Facing::Surface(facets) => facets.normal(k - own.start, &nodes.position),
+            };
+            let length = normal_or_tangent.iter().fold(0.0_f64, |length, part| length.hypot(*part));
+            let axis = normal_or_tangent / length.max(f64::MIN_POSITIVE);
+            let along = axis * axis.transpose();
+            markers.get_mut(k).along = if let Facing::Line = self.facing { along } else { SMatrix::identity() - along };
+        }
     }
 
     /// Return the point about which moments are taken, and its velocity.
@@ -97,13 +140,14 @@ where
         }
     }
 
-    /// Return the fluid of a density (kg/m³) in the layer that moves with the body.
-    fn displaced(&self, nodes: &Stations<D>, markers: &Markers<D>, density: f64) -> Displaced<D> {
-        let [centre, velocity] = self.centre(nodes);
+    /// Return the fluid of a density (kg/m³) in the layer that moves across with the body, with moments about a point (m) of
+    /// some velocity (m/s).
+    fn displaced(&self, [centre, velocity]: [Vector<D>; 2], markers: &Markers<D>, density: f64) -> Displaced<D> {
         let mut sum = Force::default();
         for (k, layer) in self.parts.markers().zip(&self.layers) {
             let marker = markers.get(k);
-            sum.add(&(density * layer * Vector::from(marker.velocity)), &(Vector::from(marker.position) - centre));
+            let across = marker.velocity - marker.along * marker.velocity;
+            sum.add(&(density * layer * across), &(marker.position - centre));
         }
         let Force { force: momentum, moment: angular } = sum;
         Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
@@ -114,9 +158,9 @@ where
         let (mut sum, mut power) = (Force::default(), 0.0);
         for k in self.parts.markers() {
             let marker = drag.markers.get(k);
-            let force = Vector::from(drag.force.each_ref().map(|force| density * force[k]));
-            sum.add(&force, &(Vector::from(marker.position) - about));
-            power += force.dot(&Vector::from(marker.velocity));
+            let force = drag.force[k] * density;
+            sum.add(&force, &(marker.position - about));
+            power += force.dot(&marker.velocity);
         }
         (sum, power)
     }
@@ -132,15 +176,14 @@ where
         let (c_eta, cell) = (parameters.mask.c_eta(), grid.cell_size());
         let (mut bodies, mut flexible, mut rigid) = (Vec::new(), Vec::new(), Vec::new());
         for (number, body) in parameters.thin() {
-            bodies.push(Thin::new(number, &body, c_eta, cell, &mut markers));
+            bodies.push(Thin::new(number, &body, c_eta, parameters.kinematic_viscosity, cell, &mut markers));
             match number.checked_sub(rigid_bodies) {
                 Some(number) => flexible.push(number),
-                None => rigid.push(RigidNodes::new(&body.nodes, parameters.bodies[number].pivot)),
+                None => rigid.push(RigidNodes::new(&body.nodes, &parameters.bodies[number])),
             }
         }
-        let on_springs = parameters.bodies.iter().any(|body| matches!(body.motion, Some(Motion::Mount(_))));
-        let responses = if on_springs && !rigid.is_empty() { 1 + D } else { 0 };
-        let responses = vec![vec![0.0; markers.len()]; responses];
+        let responses = if rigid.iter().any(|own| own.on_springs) { <[f64; D]>::FREEDOMS } else { 0 };
+        let responses = vec![vec![Vector::zeros(); markers.len()]; responses];
         let (drag, dragged) = (MarkerDrag::new(markers), Dragged::default());
         Self { bodies, flexible, rigid, drag, dragged, responses, density: parameters.density }
     }
@@ -151,8 +194,8 @@ where
         for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
             let rigid = &mut bodies[thin.number];
             if rigid.has_layer_of_markers() {
-                thin.parts.place(&own.nodes, markers);
-                let places = thin.parts.markers().map(|k| Vector::from(markers.get(k).position));
+                thin.place(&own.nodes, markers);
+                let places = thin.parts.markers().map(|k| markers.get(k).position);
                 rigid.set_layer(places.zip(thin.layers.iter().copied()), self.density);
             }
         }
@@ -176,11 +219,11 @@ where
         let (flexible, rigid) = self.bodies.split_at(self.flexible.len());
         let markers = &mut self.drag.markers;
         for (thin, number) in flexible.iter().zip(&self.flexible) {
-            thin.parts.place(&stations[*number], markers);
+            thin.place(&stations[*number], markers);
         }
         for (thin, own) in rigid.iter().zip(&mut self.rigid) {
             own.place(&bodies[thin.number]);
-            thin.parts.place(&own.nodes, markers);
+            thin.place(&own.nodes, markers);
         }
         markers.find_cells(grid);
     }
@@ -218,8 +261,8 @@ where
             let (own, centre) = (thin.parts.markers(), rigid.pose.position);
             for (k, response) in self.responses.iter_mut().enumerate() {
                 let motion = |marker: usize, markers: &Markers<D>| {
-                    let arm = || Vector::from(markers.get(marker).position) - centre;
-                    if own.contains(&marker) { rigid::motion(k, &arm()) } else { 0.0 }
+                    let arm = || markers.get(marker).position - centre;
+                    if own.contains(&marker) { rigid::motion(k, &arm()) } else { Vector::zeros() }
                 };
                 if !self.drag.respond(motion, response) {
                     return false;
@@ -264,14 +307,25 @@ where
         self.bodies.iter().zip(self.flexible.iter().copied())
     }
 
-    /// Write the displaced fluid of each flexible body to its number in `forces`.
+    /// Return the rigid bodies that are not on springs, each with its nodes. The layer of a body on springs is in its
+    /// equation of motion.
+    fn led(&self) -> impl Iterator<Item = (&Thin<D>, &RigidNodes<D>)> {
+        self.bodies[self.flexible.len()..].iter().zip(&self.rigid).filter(|(_, own)| !own.on_springs)
+    }
+
+    /// Write the displaced fluid of each body but those on springs to its number in `forces`.
     pub fn set_displaced(&self, stations: &[Stations<D>], forces: &mut [BodyForce<D>]) {
+        let markers = &self.drag.markers;
         for (thin, number) in self.with_nodes(stations) {
-            forces[thin.number].displaced = thin.displaced(&stations[number], &self.drag.markers, self.density);
+            forces[thin.number].displaced = thin.displaced(thin.centre(&stations[number]), markers, self.density);
+        }
+        for (thin, own) in self.led() {
+            forces[thin.number].displaced = thin.displaced([own.pivot, own.velocity], markers, self.density);
         }
     }
 
     /// Sum up the forces, and the exchanges of the flexible bodies, of a step of size `dt` (s) that ends with `stations`.
+    /// `forces` has the unsteady terms of the bodies on springs.
     pub fn sum_up_forces(
         &self,
         dt: f64,
@@ -279,16 +333,20 @@ where
         forces: &mut [BodyForce<D>],
         exchange: &mut [Exchange<D>],
     ) {
+        let markers = &self.drag.markers;
         for (thin, number) in self.with_nodes(stations) {
-            let (nodes, own) = (&stations[number], &mut exchange[number]);
-            let (force, power) = thin.force(&thin.centre(nodes)[0], &self.drag, self.density);
+            let (centre, own) = (thin.centre(&stations[number]), &mut exchange[number]);
+            let (force, power) = thin.force(&centre[0], &self.drag, self.density);
             *own = Exchange { force: force.force.into(), power, work: own.work + power * dt };
-            forces[thin.number].update(force, thin.displaced(nodes, &self.drag.markers, self.density), dt);
+            forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
         }
-        for (thin, RigidNodes { pivot, .. }) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
-            let (own, _) = thin.force(pivot, &self.drag, self.density);
-            let force = &mut forces[thin.number].force;
-            *force = force.plus(&own);
+        for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
+            let (force, of_body) = (thin.force(&own.pivot, &self.drag, self.density).0, &mut forces[thin.number]);
+            if own.on_springs {
+                of_body.force = of_body.force.plus(&force);
+            } else {
+                of_body.update(force, thin.displaced([own.pivot, own.velocity], markers, self.density), dt);
+            }
         }
     }
 

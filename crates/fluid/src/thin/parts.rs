@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::markers::Markers;
 use crate::kernel::Kernel;
+use crate::space::Vector;
 use crate::stations::{Loads, Stations};
 
 /// Shares of the nodes in each part.
@@ -25,17 +26,25 @@ impl Parts {
         Self { first, ..Self::default() }
     }
 
-    /// Parts of a line through points (m) for cells of a size (m), and its length; `free` tells which ends are free.
-    pub fn of_line<const D: usize>(points: &[[f64; D]], free: [bool; 2], cell: f64, first: usize) -> (Self, f64) {
+    /// Parts of a line through points (m) for cells of a size (m), the distance of each from the nearest free end (m), and
+    /// the length of the line; `free` tells which ends are free.
+    pub fn of_line<const D: usize>(
+        points: &[[f64; D]],
+        free: [bool; 2],
+        cell: f64,
+        first: usize,
+    ) -> (Self, Vec<f64>, f64) {
         let arc = arc(points);
         let length = arc[arc.len() - 1];
         let kernel = Kernel::of(D);
         let [begin, left] = free.map(|free| if free { (kernel.drawn_in * cell).min(0.25 * length) } else { 0.0 });
         let span = length - begin - left;
         let count = (span / (kernel.spacing * cell)).round().max(1.0);
-        let (part, mut parts) = (span / count, Self::new(first));
+        let (part, mut parts, mut edges) = (span / count, Self::new(first), Vec::new());
         for k in 0..count as usize {
             let middle = begin + (k as f64 + 0.5) * part;
+            let ends = free.into_iter().zip([middle, length - middle]).filter(|(free, _)| *free);
+            edges.push(ends.map(|(_, distance)| distance).fold(length, f64::min));
             // The first and the last part reach as far over their middle as to the end of the line.
             let mut half = 0.5 * part;
             if k == 0 {
@@ -46,7 +55,7 @@ impl Parts {
             }
             parts.add(|shares| mean(&arc, middle - half, middle + half, shares));
         }
-        (parts, length)
+        (parts, edges, length)
     }
 
     /// As many equal parts of the line through points (m), which cover it once.
@@ -85,7 +94,8 @@ impl Parts {
     pub fn place<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
         for (marker, shares) in self.iter() {
             let mean = |values: &[Vec<f64>; D]| {
-                values.each_ref().map(|values| shares.iter().map(|&(node, share)| share * values[node]).sum::<f64>())
+                let mean = |of: &Vec<f64>| shares.iter().map(|&(node, share)| share * of[node]).sum::<f64>();
+                Vector::from(values.each_ref().map(mean))
             };
             let marker = markers.get_mut(marker);
             (marker.position, marker.velocity) = (mean(&nodes.position), mean(&nodes.velocity));
@@ -93,13 +103,13 @@ impl Parts {
     }
 
     /// Write the forces on the markers and their slopes, both over the density (kg/m³), as loads on the nodes.
-    pub fn collect<const D: usize>(&self, force: &[Vec<f64>; D], slope: &[f64], density: f64, loads: &mut Loads<D>) {
+    pub fn collect<const D: usize>(&self, force: &[Vector<D>], slope: &[f64], density: f64, loads: &mut Loads<D>) {
         loads.force.iter_mut().for_each(|force| force.fill(0.0));
         loads.impedance.fill(0.0);
         for (marker, shares) in self.iter() {
             for &(node, share) in shares {
                 let weight = density * share;
-                (0..D).for_each(|axis| loads.force[axis][node] += weight * force[axis][marker]);
+                (0..D).for_each(|axis| loads.force[axis][node] += weight * force[marker][axis]);
                 loads.impedance[node] += weight * slope[marker];
             }
         }

@@ -3,6 +3,7 @@
 use super::markers::Markers;
 use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
+use crate::parameters::{Body, Motion};
 use crate::space::{Freedoms, Space, Vector};
 use crate::stations::Stations;
 
@@ -10,29 +11,39 @@ use crate::stations::Stations;
 pub struct RigidNodes<const D: usize> {
     /// Nodes from the pivot in the axes of the body, m.
     rest: Vec<Vector<D>>,
-    /// Nodes at the present place, and the pivot.
+    /// Nodes at the present place, the pivot, and its velocity.
     pub nodes: Stations<D>,
     pub pivot: Vector<D>,
+    pub velocity: Vector<D>,
+    /// Whether the fluid moves the body.
+    pub on_springs: bool,
 }
 
-/// Responses of the forces on all markers to motions of a thin rigid body, over the density: to a velocity of the pivot
-/// along an axis, then to one along an axis in proportion to the arm along each axis, m²/s and m³/s.
-pub type Responses = Vec<Vec<f64>>;
+/// Responses of the forces on all markers, over the density, to each freedom of a thin rigid body: m²/s and m³/s, in
+/// space m³/s and m⁴/s.
+pub type Responses<const D: usize> = Vec<Vec<Vector<D>>>;
 
 impl<const D: usize> RigidNodes<D>
 where
     [f64; D]: Space<D>,
 {
-    /// Nodes at places in the axes of the body, m, with its pivot there.
-    pub fn new(rest: &[[f64; D]], pivot: [f64; D]) -> Self {
-        let from_pivot = rest.iter().map(|node| Vector::from(*node) - Vector::from(pivot));
-        Self { rest: from_pivot.collect(), nodes: Stations::at_rest(rest), pivot: Vector::zeros() }
+    /// The nodes of a body at places in its axes, m.
+    pub fn new(rest: &[[f64; D]], body: &Body<D>) -> Self {
+        let from_pivot = rest.iter().map(|node| Vector::from(*node) - Vector::from(body.pivot));
+        let on_springs = matches!(body.motion, Some(Motion::Mount(_)));
+        Self {
+            rest: from_pivot.collect(),
+            nodes: Stations::at_rest(rest),
+            pivot: Vector::zeros(),
+            velocity: Vector::zeros(),
+            on_springs,
+        }
     }
 
     /// Move to the place of the body.
     pub fn place(&mut self, rigid: &Rigid<D>) {
         let rates = rigid.pose.rates();
-        self.pivot = rigid.pose.position;
+        (self.pivot, self.velocity) = (rigid.pose.position, rigid.pose.velocity);
         for (k, rest) in self.rest.iter().enumerate() {
             let arm = <[f64; D]>::turn(&rigid.orientation, *rest);
             let (place, velocity) = (rigid.pose.position + arm, velocity_of(&rates, &arm));
@@ -43,17 +54,12 @@ where
     }
 }
 
-/// Return the motion of a marker at `arm` (m) to which response number `k` belongs.
-pub fn motion<const D: usize>(k: usize, arm: &Vector<D>) -> f64 {
-    if k == 0 { 1.0 } else { arm[k - 1] }
-}
-
-/// Return, for each axis, the force on marker `k` for each freedom of the body.
-fn response<const D: usize>(responses: &Responses, k: usize) -> [Freedoms; D]
+/// Return the velocity of a marker at `arm` (m) in the unit motion of a freedom.
+pub fn motion<const D: usize>(freedom: usize, arm: &Vector<D>) -> Vector<D>
 where
     [f64; D]: Space<D>,
 {
-    <[f64; D]>::jacobian(responses[0][k], std::array::from_fn(|axis| responses[1 + axis][k]))
+    Vector::from(<[f64; D]>::jacobian(1.0, (*arm).into()).map(|along| along[freedom]))
 }
 
 /// Return the drag of a body with some markers, and how it falls with the velocities of the body.
@@ -62,7 +68,7 @@ pub fn drag<const D: usize>(
     own: impl Iterator<Item = usize>,
     centre: &Vector<D>,
     markers: &Markers<D>,
-    responses: &Responses,
+    responses: &Responses<D>,
     density: f64,
 ) -> Drag<D>
 where
@@ -70,12 +76,10 @@ where
 {
     let mut impedance = [[0.0; 6]; 6];
     for k in own {
-        let arm = Vector::from(markers.get(k).position) - centre;
-        let (along, response) = (<[f64; D]>::jacobian(1.0, arm.into()), response::<D>(responses, k));
-        for (to, from) in along.iter().zip(response) {
-            for (row, to) in impedance.iter_mut().zip(to).take(<[f64; D]>::FREEDOMS) {
-                row.iter_mut().zip(from).for_each(|(entry, from)| *entry += to * density * from);
-            }
+        let arm = markers.get(k).position - centre;
+        for (freedom, row) in impedance.iter_mut().enumerate().take(<[f64; D]>::FREEDOMS) {
+            let to = motion(freedom, &arm) * density;
+            row.iter_mut().zip(responses).for_each(|(entry, from)| *entry += to.dot(&from[k]));
         }
     }
     Drag { force, impedance }
@@ -86,20 +90,17 @@ pub fn change<const D: usize>(
     change: &Freedoms,
     own: impl Iterator<Item = usize>,
     centre: &Vector<D>,
-    responses: &Responses,
+    responses: &Responses<D>,
     markers: &mut Markers<D>,
-    force: &mut [Vec<f64>; D],
+    force: &mut [Vector<D>],
 ) where
     [f64; D]: Space<D>,
 {
-    for k in 0..markers.len() {
-        for (force, response) in force.iter_mut().zip(response::<D>(responses, k)) {
-            force[k] -= response.iter().zip(change).map(|(response, change)| response * change).sum::<f64>();
-        }
+    for (response, change) in responses.iter().zip(change) {
+        force.iter_mut().zip(response).for_each(|(force, response)| *force -= response * *change);
     }
     for k in own {
         let marker = markers.get_mut(k);
-        let velocity = velocity_of(change, &(Vector::from(marker.position) - centre));
-        marker.velocity.iter_mut().zip(&velocity).for_each(|(own, change)| *own += change);
+        marker.velocity += velocity_of(change, &(marker.position - centre));
     }
 }

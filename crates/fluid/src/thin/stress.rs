@@ -34,7 +34,7 @@ impl LineStress {
     /// an end makes it alternate from marker to marker, so the shear is of means with the weights 1, 2, 1.
     pub fn write<const D: usize>(
         &self,
-        force: &[Vec<f64>; D],
+        force: &[Vector<D>],
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
@@ -54,17 +54,16 @@ impl LineStress {
             let tangent = tangent(k);
             let acceleration: Vector<D> = (at(&stations.velocity, k) - at(&before.velocity, k)) / dt;
             let layer = density * self.layer;
-            (jump[k], shear[k]) = (layer * across(&acceleration, &tangent), layer * acceleration.dot(&tangent));
+            (jump[k], shear[k]) = (layer * across(&acceleration, &tangent), 0.0);
         }
         let Range { start, end } = self.parts.markers();
         for (k, shares) in self.parts.iter() {
             let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
-            let own = at(force, k);
-            let mean = force.each_ref().map(|force| 0.25 * beside.iter().map(|k| force[*k]).sum::<f64>());
+            let (own, mean) = (force[k], beside.iter().map(|k| force[*k]).sum::<Vector<D>>() * 0.25);
             for &(point, share) in shares {
                 let (tangent, weight) = (tangent(point), density * share / self.covered[point]);
                 jump[point] += weight * across(&own, &tangent);
-                shear[point] += weight * Vector::from(mean).dot(&tangent);
+                shear[point] += weight * mean.dot(&tangent);
             }
         }
     }

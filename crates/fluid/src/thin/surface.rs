@@ -3,9 +3,12 @@
 //! The patches are a centroidal Voronoi partition of the surface at rest, so that markers, the centres of the patches,
 //! keep their distance on any mesh.
 
+use std::ops::Range;
+
 use mesh::triangle_area;
 
 use super::parts::Parts;
+use crate::space::{Space, Vector};
 
 /// Root of the area of a patch, cells. At 1.5 a floppy sheet without mass is unstable with its lumped impedance,
 /// because each marker has six neighbours; at 2 a disk leaks, and lacks a sixth of its added mass.
@@ -15,8 +18,9 @@ const SPACING_CELLS: f64 = 1.75;
 const GRAIN: f64 = 0.2;
 
 /// Width of the rim, cells, in which the weight of a grain in the centre of its patch falls to 0 at the edge. It draws
-/// the markers in, because the kernel reaches beyond them: with it a disk has its added mass.
-const RIM_CELLS: f64 = 0.15;
+/// the markers in, because the kernel reaches beyond them. With it the forces on a plate of aspect 2 in a stream change
+/// least with the grid.
+const RIM_CELLS: f64 = 0.5;
 
 /// Rounds in which each patch becomes what is nearest to its centre.
 const ROUNDS: usize = 40;
@@ -33,18 +37,60 @@ struct Grain {
     shares: [(usize, f64); 3],
 }
 
+impl Grain {
+    /// Return the nodes of the triangle that it is of.
+    fn corners(&self) -> [usize; 3] {
+        self.shares.map(|(node, _)| node)
+    }
+}
+
 /// Return the number of markers of a surface of an area (m²) on cells of a size (m).
 pub fn count(area: f64, cell: f64) -> f64 {
     (area / (SPACING_CELLS * cell).powi(2)).round().max(1.0)
 }
 
-/// Return the parts of a surface on cells of a size (m) with their areas (m²), the first part for the marker `first`.
-pub fn parts(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usize) -> (Parts, Vec<f64>) {
+/// The patches of a surface.
+pub struct Patches {
+    /// Shares of the nodes in each.
+    pub parts: Parts,
+    /// Triangles of each.
+    pub facets: Facets,
+    /// Areas, m².
+    pub areas: Vec<f64>,
+    /// Distances from the nearest free edge, of a closed surface the root of its area, m.
+    pub edges: Vec<f64>,
+}
+
+/// Triangles of each patch, with their shares of its area.
+#[derive(Default)]
+pub struct Facets {
+    patches: Vec<Range<usize>>,
+    triangles: Vec<([usize; 3], f64)>,
+}
+
+impl Facets {
+    /// Return the normal of a patch at places of the nodes (m), of any length.
+    pub fn normal<const D: usize>(&self, patch: usize, places: &[Vec<f64>; D]) -> Vector<D>
+    where
+        [f64; D]: Space<D>,
+    {
+        let at = |node: usize| Vector::from(places.each_ref().map(|along| along[node]));
+        let normals = self.triangles[self.patches[patch].clone()].iter().map(|([a, b, c], share)| {
+            let normal = <[f64; D]>::components(<[f64; D]>::cross(&(at(*b) - at(*a)), &(at(*c) - at(*a))));
+            Vector::from_fn(|axis, _| share * normal[axis])
+        });
+        normals.sum()
+    }
+}
+
+/// Return the patches of a surface on cells of a size (m), the first one for the marker `first`.
+pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usize) -> Patches {
     let mut grains = grains(nodes, triangles, GRAIN * SPACING_CELLS * cell);
     let edges: Vec<_> = free_edges(triangles).into_iter().map(|ends| ends.map(|node| nodes[node])).collect();
+    let whole = grains.iter().map(|grain| grain.area).sum::<f64>();
+    let from_edge = |point: &[f64; 3]| edges.iter().map(|ends| from_line(point, ends)).fold(whole, f64::min).sqrt();
     for grain in &mut grains {
-        let from_edge = edges.iter().map(|ends| from_line(&grain.middle, ends)).fold(f64::INFINITY, f64::min);
-        grain.weight = grain.area * (from_edge.sqrt() / (RIM_CELLS * cell)).min(1.0);
+        grain.weight = grain.area * (from_edge(&grain.middle) / (RIM_CELLS * cell)).min(1.0);
     }
     let total = grains.iter().map(|grain| grain.area).sum::<f64>();
     let mut centres = spread_out(&grains, count(total, cell) as usize);
@@ -64,8 +110,8 @@ pub fn parts(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usi
     }
     let mut members = vec![Vec::new(); centres.len()];
     patches.iter().zip(&grains).for_each(|(patch, grain)| members[*patch].push(grain));
-    let (mut parts, mut areas) = (Parts::new(first), Vec::new());
-    for members in members.iter().filter(|members| !members.is_empty()) {
+    let (mut parts, mut facets, mut areas, mut distances) = (Parts::new(first), Facets::default(), vec![], vec![]);
+    for (members, centre) in members.iter().zip(&centres).filter(|(members, _)| !members.is_empty()) {
         let weight = members.iter().map(|grain| grain.weight).sum::<f64>();
         let shares = members.iter().flat_map(|grain| grain.shares.map(|(node, share)| (node, share * grain.weight)));
         let mut shares: Vec<_> = shares.collect();
@@ -74,8 +120,17 @@ pub fn parts(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usi
             |of_node: &[(usize, f64)]| (of_node[0].0, of_node.iter().map(|(_, share)| share).sum::<f64>() / weight);
         parts.add(|all| all.extend(shares.chunk_by(|a, b| a.0 == b.0).map(sum)));
         areas.push(members.iter().map(|grain| grain.area).sum());
+        distances.push(from_edge(centre));
+        let begin = facets.triangles.len();
+        let of_triangle = members.chunk_by(|a, b| a.corners() == b.corners());
+        facets.triangles.extend(of_triangle.map(|grains| {
+            let triangle = grains[0].corners();
+            let whole = triangle_area(&triangle.map(|node| nodes[node]));
+            (triangle, grains.iter().map(|grain| grain.area).sum::<f64>() / whole)
+        }));
+        facets.patches.push(begin..facets.triangles.len());
     }
-    (parts, areas)
+    Patches { parts, facets, areas, edges: distances }
 }
 
 /// Divide each triangle into equal ones with sides of at most `size` (m).
@@ -197,6 +252,7 @@ mod tests {
     use super::*;
     use crate::stations::{Loads, Stations};
     use crate::thin::Markers;
+    use crate::thin::slip::Slip;
 
     /// A rectangle of 1 m x 0.5 m in fine and in coarse triangles.
     fn rectangle(along: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
@@ -208,7 +264,7 @@ mod tests {
     fn patches_cover_the_surface_and_markers_keep_their_distance() {
         for along in [2, 40] {
             let ((nodes, triangles), cell) = (rectangle(along), 1.0 / 24.0);
-            let (parts, areas) = parts(&nodes, &triangles, cell, 0);
+            let Patches { parts, areas, .. } = patches(&nodes, &triangles, cell, 0);
             assert!((areas.iter().sum::<f64>() - 0.5).abs() < 1e-12);
             let mean = areas.iter().sum::<f64>() / areas.len() as f64;
             let centre = |shares: &[(usize, f64)]| {
@@ -228,19 +284,19 @@ mod tests {
     #[test]
     fn loads_go_back_by_the_transpose() {
         let (nodes, triangles) = rectangle(7);
-        let (parts, areas) = parts(&nodes, &triangles, 0.05, 0);
+        let Patches { parts, areas, .. } = patches(&nodes, &triangles, 0.05, 0);
         let mut markers = Markers::<3>::default();
-        areas.iter().for_each(|area| markers.add(*area, 1.0));
+        areas.iter().for_each(|area| markers.add(*area, 1.0, Slip::default()));
         let mut stations = Stations::at_rest(&nodes);
         let any = |k: usize, axis: usize| (1.7 * k as f64 + 0.3 * axis as f64).sin();
         (0..nodes.len()).for_each(|k| (0..3).for_each(|axis| stations.velocity[axis][k] = any(k, axis)));
         parts.place(&stations, &mut markers);
-        let force: [Vec<f64>; 3] = std::array::from_fn(|axis| (0..areas.len()).map(|k| any(3 * k, axis)).collect());
+        let force: Vec<_> = (0..areas.len()).map(|k| Vector::<3>::from_fn(|axis, _| any(3 * k, axis))).collect();
         let mut loads = Loads::none(nodes.len());
         parts.collect(&force, &vec![1.0; areas.len()], 2.0, &mut loads);
         let on_nodes = (0..3).map(|axis| (0..nodes.len()).map(move |k| (axis, k)));
         let power: f64 = on_nodes.flatten().map(|(axis, k)| loads.force[axis][k] * stations.velocity[axis][k]).sum();
-        let on_markers = |k: usize| (0..3).map(|axis| force[axis][k] * markers.get(k).velocity[axis]).sum::<f64>();
+        let on_markers = |k: usize| force[k].dot(&markers.get(k).velocity);
         let expected = 2.0 * (0..areas.len()).map(on_markers).sum::<f64>();
         assert!((power - expected).abs() < 1e-12 && expected.abs() > 0.1, "{power} against {expected}");
         assert!(loads.impedance.iter().all(|impedance| *impedance > 0.0));

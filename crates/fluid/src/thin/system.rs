@@ -6,9 +6,12 @@
 
 use std::array::from_fn;
 
+use nalgebra::SMatrix;
+
 use super::markers::Markers;
 use crate::grid::Grid;
 use crate::kernel::Kernel;
+use crate::space::Vector;
 
 /// Residual over the right-hand side at which a solution is taken.
 const TOLERANCE: f64 = 1e-12;
@@ -23,7 +26,7 @@ const LEAST_PIVOT: f64 = 0.01;
 
 /// The matrix with its neighbours, and room for its solution.
 pub struct System<const D: usize> {
-    matrix: Matrix,
+    matrix: Matrix<D>,
     /// Blocks of grid points along each axis, and the block of each marker.
     counts: [usize; D],
     blocks: Vec<[usize; D]>,
@@ -32,42 +35,49 @@ pub struct System<const D: usize> {
     heads: Vec<usize>,
     next: Vec<usize>,
     near: Vec<usize>,
-    residual: Vec<f64>,
-    scaled: Vec<f64>,
-    direction: Vec<f64>,
-    image: Vec<f64>,
+    residual: Vec<Vector<D>>,
+    scaled: Vec<Vector<D>>,
+    direction: Vec<Vector<D>>,
+    image: Vec<Vector<D>>,
 }
 
-/// The matrix `1/(kappa l) + E C⁻¹ Eᵗ/V` in rows, and its factor.
-#[derive(Default)]
-struct Matrix {
-    diagonal: Vec<f64>,
-    /// Beginning of each row in `columns` and `entries`, which hold the part above the diagonal.
+/// A part of the matrix for two markers, or for one: rows and columns are axes.
+type Block<const D: usize> = SMatrix<f64, D, D>;
+
+/// The matrix `A + E C⁻¹ Eᵗ/V` in rows of blocks, with the inverse drag A of each marker, and its factor.
+struct Matrix<const D: usize> {
+    diagonal: Vec<Block<D>>,
+    /// Beginning of each row in `columns` and `entries`, which hold the part above the diagonal. An entry is the same for
+    /// all axes.
     starts: Vec<usize>,
     columns: Vec<usize>,
     entries: Vec<f64>,
-    /// `D` of the incomplete factor, and `Lᵀ` above its diagonal in the places of `entries`.
-    pivots: Vec<f64>,
-    factors: Vec<f64>,
+    /// The inverse of `D` of the incomplete factor, and `Lᵀ` above its diagonal in the places of `entries`.
+    pivots: Vec<Block<D>>,
+    factors: Vec<Block<D>>,
     /// Whether that factor is the whole one.
     exact: bool,
 }
 
-impl Matrix {
+impl<const D: usize> Matrix<D> {
     /// Write the factor.
     fn factorize(&mut self) {
         let Self { diagonal, starts, columns, entries, pivots, factors, exact } = self;
         pivots.clone_from(diagonal);
-        factors.clone_from(entries);
+        factors.clear();
+        factors.reserve(entries.capacity());
+        factors.extend(entries.iter().map(|entry| Block::from_diagonal_element(*entry)));
         *exact = true;
         for j in 0..pivots.len() {
-            if pivots[j] < LEAST_PIVOT * diagonal[j] {
-                pivots[j] = diagonal[j];
+            let (own, mut pivot) = (inverse(diagonal[j]), inverse(pivots[j]));
+            if (0..D).any(|axis| LEAST_PIVOT * pivot[(axis, axis)] > own[(axis, axis)] || pivot[(axis, axis)] < 0.0) {
+                pivot = own;
                 *exact = false;
             }
+            pivots[j] = pivot;
             let row = starts[j]..starts[j + 1];
             for first in row.clone() {
-                let (k, share) = (columns[first], factors[first] / pivots[j]);
+                let (k, share) = (columns[first], factors[first].tr_mul(&pivot));
                 pivots[k] -= share * factors[first];
                 let mut place = starts[k];
                 for second in first + 1..row.end {
@@ -75,52 +85,77 @@ impl Matrix {
                         place += 1;
                     }
                     if place < starts[k + 1] && columns[place] == columns[second] {
-                        factors[place] -= share * factors[second];
+                        factors[place] = factors[place] - share * factors[second];
                     } else {
                         *exact = false;
                     }
                 }
             }
-            factors[row].iter_mut().for_each(|factor| *factor /= pivots[j]);
+            factors[row].iter_mut().for_each(|factor| *factor = pivot * *factor);
         }
     }
 
     /// Divide `values` by the factor.
-    fn divide(&self, values: &mut [f64]) {
+    fn divide(&self, values: &mut [Vector<D>]) {
         let Self { starts, columns, pivots, factors, .. } = self;
         for j in 0..values.len() {
             let row = starts[j]..starts[j + 1];
             for (k, factor) in columns[row.clone()].iter().zip(&factors[row]) {
-                values[*k] -= factor * values[j];
+                let change = factor.tr_mul(&values[j]);
+                values[*k] -= change;
             }
         }
         for j in (0..values.len()).rev() {
             let row = starts[j]..starts[j + 1];
             let later = columns[row.clone()].iter().zip(&factors[row]).map(|(k, factor)| factor * values[*k]);
-            values[j] = values[j] / pivots[j] - later.sum::<f64>();
+            values[j] = later.fold(pivots[j] * values[j], |own, later| own - later);
         }
     }
 
     /// Write the matrix times `values` to `image`.
-    fn multiply(&self, values: &[f64], image: &mut [f64]) {
+    fn multiply(&self, values: &[Vector<D>], image: &mut [Vector<D>]) {
         let Self { diagonal, starts, columns, entries, .. } = self;
         image.iter_mut().zip(diagonal).zip(values).for_each(|((q, d), p)| *q = d * p);
         for j in 0..values.len() {
             let row = starts[j]..starts[j + 1];
             for (k, entry) in columns[row.clone()].iter().zip(&entries[row]) {
-                image[j] += entry * values[*k];
-                image[*k] += entry * values[j];
+                image[j] += values[*k] * *entry;
+                image[*k] += values[j] * *entry;
             }
         }
     }
 }
 
+/// Return the inverse of a symmetric, positive definite block.
+fn inverse<const D: usize>(mut block: Block<D>) -> Block<D> {
+    for p in 0..D {
+        let inverse = 1.0 / block[(p, p)];
+        block[(p, p)] = 1.0;
+        (0..D).for_each(|column| block[(p, column)] *= inverse);
+        for row in (0..D).filter(|row| *row != p) {
+            let share = block[(row, p)];
+            block[(row, p)] = 0.0;
+            (0..D).for_each(|column| block[(row, column)] -= share * block[(p, column)]);
+        }
+    }
+    block
+}
+
 impl<const D: usize> System<D> {
     /// Room for a number of markers.
     pub fn new(count: usize) -> Self {
-        let zeros = || vec![0.0; count];
+        let zeros = || vec![Vector::zeros(); count];
+        let matrix = Matrix {
+            diagonal: vec![Block::zeros(); count],
+            starts: Vec::with_capacity(count + 1),
+            columns: vec![],
+            entries: vec![],
+            pivots: vec![],
+            factors: vec![],
+            exact: true,
+        };
         Self {
-            matrix: Matrix { diagonal: zeros(), starts: Vec::with_capacity(count + 1), ..Matrix::default() },
+            matrix,
             counts: [0; D],
             blocks: Vec::with_capacity(count),
             heads: vec![],
@@ -145,7 +180,7 @@ impl<const D: usize> System<D> {
             let Matrix { diagonal, starts, columns, entries, .. } = &mut self.matrix;
             starts.push(columns.len());
             let own = markers.shared(j, j, grid).unwrap_or_default();
-            diagonal[j] = markers.inverse_drag(j) + per_volume * own;
+            diagonal[j] = markers.inverse_drag(j) + Block::from_diagonal_element(per_volume * own);
             for &k in &self.near {
                 if let Some(shared) = markers.shared(j, k, grid) {
                     columns.push(k);
@@ -205,14 +240,14 @@ impl<const D: usize> System<D> {
     }
 
     /// Solve for a right-hand side; return whether the solution was found.
-    pub fn solve(&mut self, right_side: &[f64], solution: &mut [f64]) -> bool {
+    pub fn solve(&mut self, right_side: &[Vector<D>], solution: &mut [Vector<D>]) -> bool {
         let Self { matrix, residual, scaled, direction, image, .. } = self;
         if matrix.exact {
             solution.copy_from_slice(right_side);
             matrix.divide(solution);
-            return solution.iter().all(|number| number.is_finite());
+            return solution.iter().flatten().all(|number| number.is_finite());
         }
-        solution.fill(0.0);
+        solution.fill(Vector::zeros());
         residual.copy_from_slice(right_side);
         let goal = TOLERANCE * TOLERANCE * dot(right_side, right_side);
         let mut before = f64::INFINITY;
@@ -226,15 +261,15 @@ impl<const D: usize> System<D> {
             let keep = product / before;
             before = product;
             for (p, z) in direction.iter_mut().zip(&*scaled) {
-                *p = z + if keep > 0.0 { keep * *p } else { 0.0 };
+                *p = z + if keep > 0.0 { *p * keep } else { Vector::zeros() };
             }
             matrix.multiply(direction, image);
             let length = product / dot(direction, image);
             if !length.is_finite() {
                 break;
             }
-            solution.iter_mut().zip(&*direction).for_each(|(x, p)| *x += length * p);
-            residual.iter_mut().zip(&*image).for_each(|(r, q)| *r -= length * q);
+            solution.iter_mut().zip(&*direction).for_each(|(x, p)| *x += p * length);
+            residual.iter_mut().zip(&*image).for_each(|(r, q)| *r -= q * length);
         }
         false
     }
@@ -245,22 +280,23 @@ fn number<const D: usize>(block: &[usize; D], blocks: &[usize; D]) -> usize {
     block.iter().zip(blocks).fold(0, |number, (block, blocks)| number * blocks + block)
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+fn dot<const D: usize>(a: &[Vector<D>], b: &[Vector<D>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::thin::slip::Slip;
 
     /// Count the pairs in the matrix of scattered markers on some cells, and all that share a point.
     fn pairs<const D: usize>(cells: [usize; D]) -> [usize; 2] {
         let grid = Grid::new(cells.map(|cells| [0.0, cells as f64]), cells);
         let mut markers = Markers::default();
         for k in 0..60 {
-            markers.add(1.0, 1.0);
+            markers.add(1.0, 1.0, Slip::default());
             let along = |axis: usize| 0.618 * f64::from(k * k + 1) * (1.0 + axis as f64).sqrt();
-            markers.get_mut(k as usize).position = std::array::from_fn(|axis| along(axis) % cells[axis] as f64);
+            markers.get_mut(k as usize).position = Vector::from_fn(|axis, _| along(axis) % cells[axis] as f64);
         }
         markers.find_cells(&grid);
         markers.weigh(|_| 1.0);
@@ -286,18 +322,21 @@ mod tests {
         let grid = Grid::new([[0.0, 40.0], [0.0, 30.0]], [40, 30]);
         let mut markers = Markers::default();
         for (k, place) in places.iter().enumerate() {
-            markers.add(1.5, 1e5);
-            markers.get_mut(k).position = *place;
+            let angle = k as f64;
+            let axis = Vector::from([angle.cos(), angle.sin()]);
+            markers.add(1.5, 1e5, Slip::new(0.1, 1.0, 3.0, 1.5));
+            (markers.get_mut(k).position, markers.get_mut(k).along) = (Vector::from(*place), axis * axis.transpose());
         }
         markers.find_cells(&grid);
         markers.weigh(|point| 1.0 + 0.5 * (point as f64).sin());
         let mut system = System::new(places.len());
         system.assemble(&markers, &grid);
-        let known: Vec<_> = (0..places.len()).map(|k| (1.3 * k as f64).cos()).collect();
+        let known: Vec<_> =
+            (0..places.len()).map(|k| Vector::from([1.3 * k as f64, 0.7 * k as f64].map(f64::cos))).collect();
         let (mut right_side, mut solution) = (known.clone(), known.clone());
         system.matrix.multiply(&known, &mut right_side);
         assert!(system.solve(&right_side, &mut solution));
-        let error = known.iter().zip(&solution).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let error = known.iter().zip(&solution).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
         (error, system.matrix.exact)
     }
 
