@@ -2,7 +2,7 @@
 
 use line_fft::Real;
 
-use super::markers::Markers;
+use super::markers::{Marker, Markers};
 use super::system::System;
 use crate::field::Field;
 use crate::grid::Grid;
@@ -64,7 +64,23 @@ impl<const D: usize> MarkerDrag<D> {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
         self.markers.pass(first, &mut self.right_side);
         self.system.assemble(&self.markers, grid);
+        for k in 0..self.markers.len() {
+            let slip = self.markers.inverse_drag(k) * self.inertia(k);
+            self.right_side[k] += slip;
+        }
         self.system.solve(&self.right_side, &mut self.force)
+    }
+
+    /// Return the part of the force on a marker of a flexible body, over the density, that the change of its velocity along
+    /// the body causes. It goes without slip, so that the impedance is the same across and along.
+    fn inertia(&self, k: usize) -> Vector<D> {
+        let Marker { velocity, before, along, .. } = self.markers.get(k);
+        before.map_or(Vector::zeros(), |before| along * (before - velocity) * self.system.mobility(k).recip())
+    }
+
+    /// Return the force on a marker over the density without that part.
+    pub fn without_inertia(&self, k: usize) -> Vector<D> {
+        self.force[k] - self.inertia(k)
     }
 
     /// Write −∂f/∂U, the decrease of the forces on all markers with a motion of which `velocity` gives that of a marker,

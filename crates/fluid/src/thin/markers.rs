@@ -39,6 +39,10 @@ pub struct Marker<const D: usize> {
     pub measure: f64,
     /// Drag rate of the line or surface, m/s.
     kappa: f64,
+    /// Velocity of a flexible body at the beginning of the step, m/s.
+    pub before: Option<Vector<D>>,
+    /// Volume of the layer that moves with it, m³, or m² in the plane.
+    pub layer: f64,
     /// Projection of a vector on the line or surface.
     pub along: SMatrix<f64, D, D>,
     /// Its slip.
@@ -67,12 +71,12 @@ impl<const D: usize> Default for Markers<D> {
 }
 
 impl<const D: usize> Markers<D> {
-    /// Add a marker that stands for a length or area (m or m²), with the drag rate of the line or surface (m/s).
-    pub fn add(&mut self, measure: f64, kappa: f64, slip: Slip) {
-        let spans = std::array::from_fn(|_| (0, 0..0));
-        let zero = Vector::zeros();
-        let along = SMatrix::zeros();
-        self.own.push(Marker { position: zero, velocity: zero, measure, kappa, along, slip, spans, points: 0..0 });
+    /// Add a marker that stands for a length or area (m or m²) with a layer, m² or m³, that follows it within a time (s).
+    pub fn add(&mut self, measure: f64, layer: f64, c_eta: f64, slip: Slip) {
+        let (zero, along, spans) = (Vector::zeros(), SMatrix::zeros(), std::array::from_fn(|_| (0, 0..0)));
+        let kappa = layer / (measure * c_eta);
+        let (position, velocity, before) = (zero, zero, None);
+        self.own.push(Marker { position, velocity, before, measure, layer, kappa, along, slip, spans, points: 0..0 });
     }
 
     /// Return the number of markers.

@@ -47,8 +47,6 @@ struct Thin<const D: usize> {
     parts: Parts,
     /// What turns the markers with the nodes.
     facing: Facing,
-    /// Fluid that moves with each marker, m³, or m² in the plane.
-    layers: Vec<f64>,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
     /// Stress on a line in the plane.
@@ -103,10 +101,9 @@ where
         for (measure, edge) in measures.iter().zip(edges) {
             let is_rod = D == 3 && matches!(facing, Facing::Line);
             let slip = if is_rod { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
-            markers.add(*measure, layer / c_eta, slip);
+            markers.add(*measure, layer * measure, c_eta, slip);
         }
-        let layers = measures.iter().map(|measure| layer * measure).collect();
-        Self { number, parts, facing, layers, pivot: body.pivot, stress }
+        Self { number, parts, facing, pivot: body.pivot, stress }
     }
 
     /// Move the markers to the nodes.
@@ -144,13 +141,22 @@ where
     /// some velocity (m/s).
     fn displaced(&self, [centre, velocity]: [Vector<D>; 2], markers: &Markers<D>, density: f64) -> Displaced<D> {
         let mut sum = Force::default();
-        for (k, layer) in self.parts.markers().zip(&self.layers) {
+        for k in self.parts.markers() {
             let marker = markers.get(k);
             let across = marker.velocity - marker.along * marker.velocity;
-            sum.add(&(density * layer * across), &(marker.position - centre));
+            sum.add(&(density * marker.layer * across), &(marker.position - centre));
         }
         let Force { force: momentum, moment: angular } = sum;
         Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
+    }
+
+    /// Return a force without the inertia along the body.
+    fn without_inertia(&self, mut force: Force<D>, about: &Vector<D>, drag: &MarkerDrag<D>, density: f64) -> Force<D> {
+        for k in self.parts.markers() {
+            let inertia = drag.force[k] - drag.without_inertia(k);
+            force.add(&(inertia * -density), &(drag.markers.get(k).position - about));
+        }
+        force
     }
 
     /// Return the sum of the forces on the markers with the moment about a point (m), and the power, W.
@@ -195,8 +201,8 @@ where
             let rigid = &mut bodies[thin.number];
             if rigid.has_layer_of_markers() {
                 thin.place(&own.nodes, markers);
-                let places = thin.parts.markers().map(|k| markers.get(k).position);
-                rigid.set_layer(places.zip(thin.layers.iter().copied()), self.density);
+                let layers = thin.parts.markers().map(|k| (markers.get(k).position, markers.get(k).layer));
+                rigid.set_layer(layers, self.density);
             }
         }
     }
@@ -211,7 +217,7 @@ where
         self.drag.markers.len()
     }
 
-    /// Move the flexible bodies to `stations`, and the rigid ones to their places.
+    /// Move the flexible bodies to `stations`, and the rigid ones to their places, as if no velocity had changed.
     pub fn place(&mut self, stations: &[Stations<D>], bodies: &[Rigid<D>], grid: &Grid<D>) {
         if self.is_empty() {
             return;
@@ -226,6 +232,14 @@ where
             thin.place(&own.nodes, markers);
         }
         markers.find_cells(grid);
+        self.begin(stations);
+    }
+
+    /// Let the flexible bodies begin a step with the velocities of `stations`.
+    pub fn begin(&mut self, stations: &[Stations<D>]) {
+        for (thin, number) in self.bodies.iter().zip(&self.flexible) {
+            thin.parts.begin(&stations[*number], &mut self.drag.markers);
+        }
     }
 
     /// Take the drag into the local solve, let the bodies on springs move, and give `w`, which holds u* + tau G without
@@ -338,6 +352,7 @@ where
             let (centre, own) = (thin.centre(&stations[number]), &mut exchange[number]);
             let (force, power) = thin.force(&centre[0], &self.drag, self.density);
             *own = Exchange { force: force.force.into(), power, work: own.work + power * dt };
+            let force = thin.without_inertia(force, &centre[0], &self.drag, self.density);
             forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
         }
         for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
@@ -362,7 +377,13 @@ where
         for (thin, number) in self.with_nodes(stations) {
             let Some(stress) = &thin.stress else { continue };
             let nodes = [&stations[number], &before[number]];
-            stress.write(&self.drag.force, self.density, dt, nodes, [&mut jumps[number], &mut shears[number]]);
+            stress.write(
+                &|k| self.drag.without_inertia(k),
+                self.density,
+                dt,
+                nodes,
+                [&mut jumps[number], &mut shears[number]],
+            );
         }
     }
 }

@@ -92,14 +92,21 @@ impl Parts {
 
     /// Move the markers to the nodes.
     pub fn place<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
-        for (marker, shares) in self.iter() {
-            let mean = |values: &[Vec<f64>; D]| {
-                let mean = |of: &Vec<f64>| shares.iter().map(|&(node, share)| share * of[node]).sum::<f64>();
-                Vector::from(values.each_ref().map(mean))
-            };
-            let marker = markers.get_mut(marker);
-            (marker.position, marker.velocity) = (mean(&nodes.position), mean(&nodes.velocity));
-        }
+        self.means(&nodes.position).for_each(|(k, position)| markers.get_mut(k).position = position);
+        self.means(&nodes.velocity).for_each(|(k, velocity)| markers.get_mut(k).velocity = velocity);
+    }
+
+    /// Begin a step with the velocities of the nodes.
+    pub fn begin<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
+        self.means(&nodes.velocity).for_each(|(k, velocity)| markers.get_mut(k).before = Some(velocity));
+    }
+
+    /// Return the number of each marker with the mean of what the nodes have.
+    fn means<const D: usize>(&self, of_nodes: &[Vec<f64>; D]) -> impl Iterator<Item = (usize, Vector<D>)> {
+        self.iter().map(move |(marker, shares)| {
+            let mean = |of: &Vec<f64>| shares.iter().map(|&(node, share)| share * of[node]).sum::<f64>();
+            (marker, Vector::from(of_nodes.each_ref().map(mean)))
+        })
     }
 
     /// Write the forces on the markers and their slopes, both over the density (kg/m³), as loads on the nodes.

@@ -34,7 +34,7 @@ impl LineStress {
     /// an end makes it alternate from marker to marker, so the shear is of means with the weights 1, 2, 1.
     pub fn write<const D: usize>(
         &self,
-        force: &[Vector<D>],
+        force: &dyn Fn(usize) -> Vector<D>,
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
@@ -59,7 +59,7 @@ impl LineStress {
         let Range { start, end } = self.parts.markers();
         for (k, shares) in self.parts.iter() {
             let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
-            let (own, mean) = (force[k], beside.iter().map(|k| force[*k]).sum::<Vector<D>>() * 0.25);
+            let (own, mean) = (force(k), beside.iter().map(|k| force(*k)).sum::<Vector<D>>() * 0.25);
             for &(point, share) in shares {
                 let (tangent, weight) = (tangent(point), density * share / self.covered[point]);
                 jump[point] += weight * across(&own, &tangent);

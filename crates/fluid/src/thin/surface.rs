@@ -286,7 +286,7 @@ mod tests {
         let (nodes, triangles) = rectangle(7);
         let Patches { parts, areas, .. } = patches(&nodes, &triangles, 0.05, 0);
         let mut markers = Markers::<3>::default();
-        areas.iter().for_each(|area| markers.add(*area, 1.0, Slip::default()));
+        areas.iter().for_each(|area| markers.add(*area, *area, 1.0, Slip::default()));
         let mut stations = Stations::at_rest(&nodes);
         let any = |k: usize, axis: usize| (1.7 * k as f64 + 0.3 * axis as f64).sin();
         (0..nodes.len()).for_each(|k| (0..3).for_each(|axis| stations.velocity[axis][k] = any(k, axis)));

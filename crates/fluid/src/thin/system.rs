@@ -27,6 +27,8 @@ const LEAST_PIVOT: f64 = 0.01;
 /// The matrix with its neighbours, and room for its solution.
 pub struct System<const D: usize> {
     matrix: Matrix<D>,
+    /// Velocity of each marker by equal forces on all, over the force: the sums of the rows without the drag.
+    mobility: Vec<f64>,
     /// Blocks of grid points along each axis, and the block of each marker.
     counts: [usize; D],
     blocks: Vec<[usize; D]>,
@@ -156,6 +158,7 @@ impl<const D: usize> System<D> {
         };
         Self {
             matrix,
+            mobility: vec![0.0; count],
             counts: [0; D],
             blocks: Vec::with_capacity(count),
             heads: vec![],
@@ -174,6 +177,7 @@ impl<const D: usize> System<D> {
         self.matrix.starts.clear();
         self.matrix.columns.clear();
         self.matrix.entries.clear();
+        self.mobility.fill(0.0);
         self.sort_into_blocks(markers, grid);
         for j in 0..markers.len() {
             self.find_near(j);
@@ -181,15 +185,23 @@ impl<const D: usize> System<D> {
             starts.push(columns.len());
             let own = markers.shared(j, j, grid).unwrap_or_default();
             diagonal[j] = markers.inverse_drag(j) + Block::from_diagonal_element(per_volume * own);
+            self.mobility[j] += per_volume * own;
             for &k in &self.near {
                 if let Some(shared) = markers.shared(j, k, grid) {
                     columns.push(k);
                     entries.push(per_volume * shared);
+                    self.mobility[j] += per_volume * shared;
+                    self.mobility[k] += per_volume * shared;
                 }
             }
         }
         self.matrix.starts.push(self.matrix.columns.len());
         self.matrix.factorize();
+    }
+
+    /// Return the velocity of a marker by equal forces on all, over the force.
+    pub fn mobility(&self, k: usize) -> f64 {
+        self.mobility[k]
     }
 
     fn sort_into_blocks(&mut self, markers: &Markers<D>, grid: &Grid<D>) {
@@ -294,7 +306,7 @@ mod tests {
         let grid = Grid::new(cells.map(|cells| [0.0, cells as f64]), cells);
         let mut markers = Markers::default();
         for k in 0..60 {
-            markers.add(1.0, 1.0, Slip::default());
+            markers.add(1.0, 1.0, 1.0, Slip::default());
             let along = |axis: usize| 0.618 * f64::from(k * k + 1) * (1.0 + axis as f64).sqrt();
             markers.get_mut(k as usize).position = Vector::from_fn(|axis, _| along(axis) % cells[axis] as f64);
         }
@@ -324,7 +336,7 @@ mod tests {
         for (k, place) in places.iter().enumerate() {
             let angle = k as f64;
             let axis = Vector::from([angle.cos(), angle.sin()]);
-            markers.add(1.5, 1e5, Slip::new(0.1, 1.0, 3.0, 1.5));
+            markers.add(1.5, 1.5, 1e-5, Slip::new(0.1, 1.0, 3.0, 1.5));
             (markers.get_mut(k).position, markers.get_mut(k).along) = (Vector::from(*place), axis * axis.transpose());
         }
         markers.find_cells(&grid);
