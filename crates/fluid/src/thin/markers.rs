@@ -43,7 +43,7 @@ pub struct Marker<const D: usize> {
     pub before: Option<Vector<D>>,
     /// Volume of the layer that moves with it, m³, or m² in the plane.
     pub layer: f64,
-    /// Projection of a vector on the line or surface.
+    /// Projection of a vector on the line or surface along which it slips, 0 where it does not.
     pub along: SMatrix<f64, D, D>,
     /// Its slip.
     pub slip: Slip,

@@ -55,8 +55,10 @@ struct Thin<const D: usize> {
 
 /// What turns the markers of a body.
 enum Facing {
-    /// The markers beside each one.
+    /// The markers beside each one, in the plane.
     Line,
+    /// None of them: a line in space does not slip.
+    Rod,
     /// The triangles of each.
     Surface(Facets),
 }
@@ -95,12 +97,11 @@ where
                     stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
                 }
                 let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
-                (parts, Facing::Line, measures, edges, layer)
+                (parts, if D == 2 { Facing::Line } else { Facing::Rod }, measures, edges, layer)
             }
         };
         for (measure, edge) in measures.iter().zip(edges) {
-            let is_rod = D == 3 && matches!(facing, Facing::Line);
-            let slip = if is_rod { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
+            let slip = if let Facing::Rod = facing { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
             markers.add(*measure, layer * measure, c_eta, slip);
         }
         Self { number, parts, facing, pivot: body.pivot, stress }
@@ -110,13 +111,16 @@ where
     fn place(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
         self.parts.place(nodes, markers);
         let own = self.parts.markers();
+        if let Facing::Rod = self.facing {
+            return;
+        }
         for k in own.clone() {
             let normal_or_tangent = match &self.facing {
                 Facing::Line if own.len() > 1 => {
                     let place = |k: usize| markers.get(k).position;
                     place((k + 1).min(own.end - 1)) - place(k.max(own.start + 1) - 1)
                 }
-                Facing::Line => {
+                Facing::Line | Facing::Rod => {
                     let end = |k: usize| Vector::from(nodes.position.each_ref().map(|of| of[k]));
                     end(nodes.len() - 1) - end(0)
                 }
