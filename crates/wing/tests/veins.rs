@@ -41,6 +41,39 @@ fn a_vein_alone_is_the_rod_at_a_large_deflection() {
     }
 }
 
+/// A cantilever whose diameter falls to the half weighs ∫ μ d² ds, gives way by ∫ ds/(EA d²) along itself and by
+/// ∫ s² ds/(EI d⁴) across, s being the distance from the load at the tip.
+#[test]
+fn a_tapered_vein_weighs_stretches_and_bends_by_the_powers_of_its_diameter() {
+    let (count, length, force) = (100, 2.0, 1e-3);
+    let diameter: Vec<_> = (0..=count).map(|k| 1.0 - 0.5 * k as f64 / count as f64).collect();
+    let nodes: Vec<_> = (0..=count).collect();
+    let vein = Vein { diameter, ..Vein::new("vein", &nodes, 0.1, 5.0, 30.0) };
+    let integral = |term: &dyn Fn(f64, f64) -> f64| {
+        let parts = (0..1000).map(|i| (f64::from(i) + 0.5) / 1000.0);
+        parts.map(|s| term(length * s, 0.5 + 0.5 * s) * length / 1000.0).sum::<f64>()
+    };
+    let tip = |axis: usize| {
+        let mut wing = chain(vein.clone(), count, length, Root { nodes: vec![0], ..Root::default() });
+        // The loads carry the weight and leave the force.
+        let mass = wing.masses().to_vec();
+        wing.loads.force = vec![0.0; 3 * (count + 1)];
+        (0..=count).for_each(|k| wing.loads.force[2 * (count + 1) + k] = 9.81 * mass[k]);
+        wing.loads.force[axis * (count + 1) + count] += force;
+        wing.solve_static().expect("an equilibrium");
+        wing.positions(axis)[count] - if axis == 0 { length } else { 0.0 }
+    };
+    let wing = chain(vein.clone(), count, length, Root { nodes: vec![0], ..Root::default() });
+    for (name, found, expected) in [
+        ("mass", wing.masses().iter().sum(), integral(&|_, d| 0.1 * d.powi(2))),
+        ("elongation", tip(0), integral(&|_, d| force / (30.0 * d.powi(2)))),
+        ("deflection", tip(1), integral(&|s, d| force * s * s / (5.0 * d.powi(4)))),
+    ] {
+        println!("{name}: {found} by {expected}");
+        assert!((found / expected - 1.0).abs() < 2e-4, "{name}: {found} is not {expected}");
+    }
+}
+
 #[test]
 fn a_hanging_chain_is_a_catenary() {
     // A chain of length 1 between supports 0.8 apart: sag and span give the parameter a, 2 a sinh(0.4/a) = 1.
