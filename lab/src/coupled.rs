@@ -91,11 +91,13 @@ impl RodInFlow {
         self.rod.step(h).map_err(|e| format!("{e}, in the step from t = {t} s"))
     }
 
-    /// Add the force of a spring to the loads, with an impedance that keeps a light rod stable.
+    /// Add the force of a spring to the loads: that for a station that keeps its velocity, with the impedance by which the
+    /// stretch counts that the step ends with.
     fn pull(&mut self, pull: &Pull, h: f64) {
         let n = self.beam.segments + 1;
         let station = pull.station.min(n - 1);
-        let stretch = [0, 1].map(|axis| pull.to[axis] - self.rod.positions(axis)[station]);
+        let ahead = |axis| self.rod.positions(axis)[station] + h * self.rod.velocities(axis)[station];
+        let stretch = [0, 1].map(|axis| pull.to[axis] - ahead(axis));
         let Loads { force, impedance, .. } = &mut self.rod.loads;
         force.resize(2 * n, 0.0);
         impedance.resize(n, 0.0);
@@ -158,9 +160,6 @@ impl Coupled {
             return Err("the scene has another number of rods".into());
         }
         for (new, old) in next.rods.iter_mut().zip(&self.rods) {
-            if let Some(base) = new.base_at(time) {
-                new.rod.base_motion = Some(base);
-            }
             new.rod.restore(old.rod.state()).map_err(|e| e.to_string())?;
         }
         (next.start, next.pull) = (time, self.pull);

@@ -7,4 +7,4 @@ mod from_scene;
 mod interface;
 pub mod paint;
 
-pub use coupled::Coupled;
+pub use coupled::{Coupled, Pull};

@@ -1,6 +1,6 @@
 //! The program has the digits of the units that the Python tool couples, and continues a flow with another scene.
 
-use lab::Coupled;
+use lab::{Coupled, Pull};
 use serde_json::{Value, json};
 
 const RECORDED: &str = include_str!("../../tests/simulation/recorded.json");
@@ -33,9 +33,8 @@ fn small_fsi3() -> Value {
     scene
 }
 
-/// Return the samples after a step, without and with a change of the scene before it.
-fn unchanged_and_changed(change: impl FnOnce(&mut Value)) -> [Vec<f64>; 2] {
-    let mut scene = small_fsi3();
+/// Return the samples after a step, without and with a change of a scene before it.
+fn unchanged_and_changed(mut scene: Value, change: impl FnOnce(&mut Value)) -> [Vec<f64>; 2] {
     let mut runs = [(); 2].map(|()| Coupled::new(&scene.to_string()).expect("a scene that runs"));
     runs.iter_mut().for_each(|run| (0..50).for_each(|_| run.step().expect("a step")));
     change(&mut scene);
@@ -46,15 +45,22 @@ fn unchanged_and_changed(change: impl FnOnce(&mut Value)) -> [Vec<f64>; 2] {
     })
 }
 
+/// The root may be still or driven.
 #[test]
 fn a_scene_with_the_same_values_continues_with_the_same_digits() {
-    let [unchanged, changed] = unchanged_and_changed(|_| {});
-    assert_eq!(changed, unchanged);
+    let mut driven = small_fsi3();
+    let swing = |amplitude: f64| json!({ "sine": { "amplitude": amplitude, "frequency": 3.0, "phase": 0.4 } });
+    driven["rod"]["root_motion"] =
+        json!({ "laws": { "x": swing(0.002), "y": swing(0.005), "rotations": [{ "angle": swing(0.1) }] } });
+    for scene in [small_fsi3(), driven] {
+        let [unchanged, changed] = unchanged_and_changed(scene, |_| {});
+        assert_eq!(changed, unchanged);
+    }
 }
 
 #[test]
 fn a_flow_goes_on_around_a_new_cylinder() {
-    let [unchanged, changed] = unchanged_and_changed(|scene| {
+    let [unchanged, changed] = unchanged_and_changed(small_fsi3(), |scene| {
         let cylinders = scene["fluid"]["cylinders"].as_array_mut().expect("a list");
         cylinders.push(json!({ "center": [1.2, 0.2], "radius": 0.04 }));
     });
@@ -64,6 +70,23 @@ fn a_flow_goes_on_around_a_new_cylinder() {
     }
     let [without, with] = [unchanged[1], changed[1]];
     assert!(with > 2.0 * without, "the cylinder stops the fluid in it: drag {with}, {without} without");
+}
+
+/// A spring pulls by the stretch that a step ends with: one that is far too stiff for the mass of a station puts it onto
+/// its end, and holds it there.
+#[test]
+fn a_stiff_spring_holds_a_station() {
+    let mut run = Coupled::new(&small_fsi3().to_string()).expect("a scene that runs");
+    let station = run.positions(0, 0).len() - 1;
+    let way = 1e-4;
+    let to = [0, 1].map(|axis| run.positions(0, axis)[station] + way);
+    run.set_pull(Some(Pull { rod: 0, station, to, stiffness: 1e9 }));
+    for step in 1..=40 {
+        run.step().expect("a step");
+        let off = [0, 1].map(|axis| run.positions(0, axis)[station] - to[axis]);
+        let allowed = if step < 10 { way } else { 0.03 * way };
+        assert!(off[0].hypot(off[1]) < allowed, "after {step} steps the station is off by {off:?} m");
+    }
 }
 
 #[test]
