@@ -1,5 +1,7 @@
 """Schemes that iterate, on problems whose convergence is known, and the balance of the interface in FSI3."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -187,6 +189,22 @@ def test_advice_of_a_guard_names_key_and_value(own, said):
     rod.outputs = np.concatenate([np.linspace(0.0, 1.0, 10), np.zeros(10)])
     guard.limits = Limits(**(numbers | own))
     assert guard.advice(1e-3).startswith(said)
+
+
+@pytest.mark.parametrize("rate", [500.0, 730.0, 1290.0, 2110.0, 3800.0, 9700.0])
+@pytest.mark.parametrize("beam", ["beam", "wing"])
+def test_the_advised_step_leaves_room_for_a_beam_that_becomes_a_fifth_faster(beam, rate):
+    """The beam passes `rate` cells in a second; a step of the fluid has `max_cfl` of them."""
+    [rod], fluid = powered(float, float)
+    guard = coupling.Explicit([rod], fluid, guards=Guards()).guards[0]
+    guard.is_beam = beam == "beam"
+    guard.limits = Limits((0.1, 0.05), 0.4, 1e-4, 1e-3, thickness=0.1, line=True, fluid_steps=1)
+    guard.balance = guard.balance._replace(rate=rate)
+    assert "cells in a step" in guard.advice(1e-3)
+    step = float(re.search(r"`time\.communication_step` of (\S+) s", guard.advice(1e-3))[1])
+    assert 0.25 < rate * step / 0.4 < 1 / 1.2, (rate, step)
+    guard.balance = guard.balance._replace(rate=1.2 * rate)
+    assert "cells in a step" not in guard.advice(step)
 
 
 @pytest.mark.parametrize(

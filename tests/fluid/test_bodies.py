@@ -112,6 +112,20 @@ def test_the_main_signal_does_not_depend_on_the_orientation(turn):
         assert turned.drive is None
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.5, 2.0, -1.2])
+def test_thrust_does_not_depend_on_the_direction_of_the_stream(swinging, angle):
+    """A body at rest that the stream pushes with 0.3 N/m, and with 0.1 N/m to the left."""
+    along, left = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    flow = {"mean_flow": {axis: {"constant": 2.0 * part} for axis, part in zip("xy", along.tolist(), strict=True)}}
+    swinging["fluid"] |= flow | {"initial_velocity": (2.0 * along).tolist()}
+    del swinging["fluid"]["bodies"][0]["motion"], swinging["fluid"]["bodies"][1]
+    time = np.linspace(0, 2, 201)
+    drag, lift = (part + 0 * time for part in 0.3 * along + 0.1 * left)
+    columns = {"time": time, "drag": drag, "lift": lift, "body_1_drag": drag, "body_1_lift": lift}
+    found = bodies.evaluate(Facts(validate(swinging)), columns, statistics.Window(1.0, 2.0, 0), 0.0)["body_1"]
+    assert found.ct == pytest.approx(-0.3 / (swinging["fluid"]["density"] * 2.0**2 * 0.2 / 2)), found
+
+
 @pytest.fixture
 def carried(swinging):
     """A circle that the master moves, and one on springs along both axes, twice as heavy as the fluid."""
