@@ -72,8 +72,8 @@ fn a_flow_goes_on_around_a_new_cylinder() {
     assert!(with > 2.0 * without, "the cylinder stops the fluid in it: drag {with}, {without} without");
 }
 
-/// A spring pulls by the stretch that a step ends with: one that is far too stiff for the mass of a station puts it onto
-/// its end, and holds it there.
+/// A spring pulls by the stretch that a step ends with: one that is far too stiff for the mass of a station puts it
+/// onto its end, and holds it there.
 #[test]
 fn a_stiff_spring_holds_a_station() {
     let mut run = Coupled::new(&small_fsi3().to_string()).expect("a scene that runs");

@@ -235,7 +235,7 @@ fn parameters_without_a_step_are_refused() {
 }
 
 /// Each component of a disturbed start is a wave along the next axis beside the uniform velocity: there is no divergence
-/// and no mean.
+/// and no mean. The box of unequal cells has their flow rate, energy and enstrophy.
 #[test]
 fn a_disturbance_is_a_wave_of_each_component_along_the_next_axis() {
     let ends = [[-0.5, 1.0], [0.25, 1.25], [0.0, 2.0]];
@@ -252,4 +252,14 @@ fn a_disturbance_is_a_wave_of_each_component_along_the_next_axis() {
         }
     }
     assert!(fluid.divergence() < 1e-13, "{}", fluid.divergence());
+    let (u, waves) = (parameters.initial_velocity, 3.0 * 0.5 * 0.05_f64.powi(2));
+    // Waves of the lengths 1, 2 and 1.5 m.
+    let curl = [1.0, 2.0, 1.5].map(|length: f64| 0.5 * (0.05 * TAU / length).powi(2)).iter().sum::<f64>();
+    for (what, found, expected) in [
+        ("flow rate", fluid.flow_rate(), u[0] * 1.0 * 2.0),
+        ("energy", fluid.kinetic_energy(), 0.5 * 1.0 * 3.0 * (u.iter().map(|u| u * u).sum::<f64>() + waves)),
+        ("enstrophy", fluid.enstrophy(), 0.5 * 3.0 * curl),
+    ] {
+        assert!((found / expected - 1.0).abs() < 1e-12, "the {what} is {found}, not {expected}");
+    }
 }

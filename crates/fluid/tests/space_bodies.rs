@@ -3,10 +3,15 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Vector3};
-use nervure_fluid::{Filter, Fluid, Law, Motion, Mount, Outline, Precision, Shape, Solid, Support, Turn, Zone};
+use nervure_fluid::{
+    Extent, Filter, Flexible, Fluid, Law, Motion, Mount, Outline, Precision, Shape, Solid, Support, Turn, Zone,
+};
+use scene::{Scene, WingMesh};
 
 type Body = nervure_fluid::Body<3>;
 type Parameters = nervure_fluid::Parameters<3>;
+
+const LINE: Extent = Extent::Line { free: [true; 2] };
 
 fn sine(amplitude: f64, frequency: f64) -> Law {
     let omega = TAU * frequency;
@@ -161,7 +166,8 @@ fn the_master_moves_a_body_as_a_law_does() {
     }
 }
 
-/// An ellipsoid that moves and turns obliquely feels the same with its axes in turn along others, between walls.
+/// An ellipsoid that moves and turns obliquely beside a driven sheet and a driven line, between walls, feels the same
+/// with its axes in turn along others, of another length and with other cells.
 #[test]
 fn axes_are_treated_alike_by_bodies() {
     let runs = [0, 1, 2].map(|turn| {
@@ -170,9 +176,11 @@ fn axes_are_treated_alike_by_bodies() {
             (0..3).for_each(|axis| all[(axis + turn) % 3] = own[axis]);
             all
         };
-        let mut parameters = Parameters::new([[-0.5, 0.5]; 3], [20; 3], 2.0, 0.01, 0.01);
+        let half = place([0.6, 0.5, 0.7]);
+        let cells = place([24.0, 18.0, 20.0]).map(|cells| cells as usize);
+        let mut parameters = Parameters::new(half.map(|half| [-half, half]), cells, 2.0, 0.01, 0.01);
         parameters.initial_velocity = place([0.5, 0.2, -0.3]);
-        parameters.walls[(2 + turn) % 3] = Some([-0.4, 0.45]);
+        parameters.walls[(2 + turn) % 3] = Some([-0.6, 0.65]);
         let mut displacement = [0.05, 0.0, 0.02].map(|amplitude| sine(amplitude, 1.0));
         displacement.rotate_right(turn);
         parameters.bodies = vec![Body {
@@ -181,21 +189,82 @@ fn axes_are_treated_alike_by_bodies() {
             motion: Some(Motion::laws(displacement, place([2.0, -1.0, 1.0]).into(), sine(0.8, 1.0))),
             ..still(Solid::Ellipsoid(place([0.3, 0.2, 0.15])), place([0.05, -0.02, 0.03]))
         }];
+        let mesh = WingMesh::Rectangular { length: 0.5, width: 0.4, along: 5 }.build();
+        let sheet = mesh.nodes.iter().map(|[x, y, _]| place([0.8 * x - 0.5, 0.6 * x + y - 0.3, 0.4 * y + 0.4]));
+        let line = (0..10).map(|k| f64::from(k) / 20.0).map(|s| place([0.2 + 0.3 * s, s - 0.4, 0.5 * s - 0.4]));
+        let lists = [(sheet.collect(), Extent::Surface(mesh.triangles)), (line.collect(), LINE)];
+        parameters.flexible =
+            lists.map(|(nodes, extent)| Flexible { name: "own".into(), nodes, extent, pivot: None }).into();
         let mut fluid = made(&parameters);
+        let back = |all: [f64; 3]| [0, 1, 2].map(|axis| all[(axis + turn) % 3]);
         for _ in 0..10 {
+            for stations in fluid.stations_mut() {
+                for k in 0..stations.len() {
+                    let [x, y, z] = back(stations.position.each_ref().map(|along| along[k]));
+                    let velocity = place([0.3 - y, 0.8 * x - 0.4 * z, 0.2 + 0.5 * y]);
+                    for axis in 0..3 {
+                        stations.position[axis][k] += 0.01 * velocity[axis];
+                        stations.velocity[axis][k] = velocity[axis];
+                    }
+                }
+            }
             let t = fluid.time();
             fluid.advance(t, 0.01).unwrap_or_else(|e| panic!("{e}"));
         }
-        let force = fluid.force_on_body(0);
-        let back = |all: [f64; 3]| [0, 1, 2].map(|axis| all[(axis + turn) % 3]);
-        [back(force.force.into()), back(force.moment.into()), [fluid.power_on_body(0), fluid.kinetic_energy(), 1.0]]
+        let mut all = vec![fluid.power_on_body(0), fluid.kinetic_energy(), fluid.enstrophy()];
+        let forces = [fluid.force_on_body(0), fluid.force_on_flexible(0), fluid.force_on_flexible(1)];
+        all.extend(forces.iter().flat_map(|own| [back(own.force.into()), back(own.moment.into())].concat()));
+        for (loads, exchange) in fluid.loads().iter().zip(fluid.exchange()) {
+            all.extend([exchange.power, exchange.work]);
+            let at = |k: usize| back(loads.force.each_ref().map(|along| along[k]));
+            all.extend((0..loads.impedance.len()).flat_map(at).chain(loads.impedance.iter().copied()));
+        }
+        all
     });
-    for (one, other) in runs[0].as_flattened().iter().zip(runs[1].as_flattened()) {
-        assert!((one - other).abs() < 1e-10, "{runs:?}");
+    for turn in [1, 2] {
+        for (k, (found, expected)) in runs[turn].iter().zip(&runs[0]).enumerate() {
+            assert!((found - expected).abs() < 1e-10, "turned {turn} times, number {k} is {found}, not {expected}");
+        }
     }
-    for (one, other) in runs[0].as_flattened().iter().zip(runs[2].as_flattened()) {
-        assert!((one - other).abs() < 1e-10, "{runs:?}");
+}
+
+/// The scene tells of probes in a turned body by its own geometry: there the fluid stands still.
+#[test]
+fn the_scene_tells_of_probes_where_a_turned_body_stops_the_fluid() {
+    let places: Vec<_> = (0..216).map(|k| [k / 36, k / 6 % 6, k % 6].map(|i| 0.16 * i as f64 - 0.41)).collect();
+    let names = places.iter().enumerate();
+    let probes = names.map(|(k, place)| format!(r#"{{ "name": "p{k}", "position": {place:?} }}"#)).collect::<Vec<_>>();
+    let scene = Scene::from_json(&format!(
+        r#"{{ "name": "turned", "time": {{ "end": 1.0, "communication_step": 0.002 }}, "fluid": {{ "density": 1.0,
+        "kinematic_viscosity": 0.01, "initial_velocity": [1.0, 0.5, 0.7],
+        "box": {{ "x": [-0.6, 0.6], "y": [-0.6, 0.6], "z": [-0.6, 0.6], "cells": [48, 40, 36] }},
+        "bodies": [
+            {{ "shape": {{ "cuboid": {{ "lengths": [0.7, 0.2, 0.4] }} }}, "position": [0.1, -0.05, 0.15],
+            "pivot": [0.15, 0.05, -0.1], "turn": {{ "axis": [1, 2, -1], "angle": 0.9 }},
+            "motion": {{ "angle": {{ "constant": 0.5 }}, "axis": [2, -1, 1] }} }}],
+        "probes": [{}], "mask": {{ "cosine": {{ "c_eta": 1e-7, "half_width": 0.5 }} }},
+        "time_stepping": {{ "max_step": 0.01, "max_cfl": 0.4 }} }} }}"#,
+        probes.join(", ")
+    ))
+    .unwrap_or_else(|e| panic!("{e}"));
+    let keys: Vec<_> = scene.facts().warnings.into_iter().map(|warning| warning.key).collect();
+    let parameters = Parameters::try_from(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = made(&parameters);
+    for _ in 0..20 {
+        let t = fluid.time();
+        fluid.advance(t, 0.002).unwrap_or_else(|e| panic!("{e}"));
     }
+    let mut told = 0;
+    for (k, place) in places.iter().enumerate() {
+        let speed = fluid.probe_velocity(k).iter().fold(0.0_f64, |speed, part| speed.hypot(*part));
+        if keys.contains(&format!("fluid.probes[{k}].position")) {
+            told += 1;
+            println!("{speed} m/s at {place:?}");
+            assert!(speed < 0.4, "the fluid goes at {speed} m/s through {place:?}, which should lie in the body");
+        }
+    }
+    // A probe for each 0.16³ m³.
+    assert!((10..17).contains(&told), "{told} probes lie in 0.7 m x 0.2 m x 0.4 m");
 }
 
 /// Stokes (1851; Landau & Lifshitz, Fluid mechanics, § 24 and its problems): a sphere of radius R that oscillates along a

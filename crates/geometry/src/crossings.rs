@@ -59,13 +59,28 @@ fn pierces(edges: [[f64; 3]; 3], [a, b, c]: [[f64; 3]; 3]) -> bool {
 mod tests {
     use super::*;
 
+    /// Of each triangle one edge passes through the other. Whichever it is and whichever triangle comes first, wherever
+    /// they lie, the pair is counted once; with a common node or apart it is not.
     #[test]
     fn triangles_that_pass_through_each_other_are_counted() {
-        let nodes = |z: f64| {
-            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, z], [0.3, 0.2, z + 1.0], [0.2, 0.3, z + 1.0]]
-        };
-        let count =
-            |z: f64, second: [usize; 3]| Crossings::new(2).count(|k| [[0, 1, 2], second][k], |node| nodes(z)[node]);
-        assert_eq!([count(-0.5, [3, 4, 5]), count(0.1, [3, 4, 5]), count(-0.5, [0, 4, 3])], [1, 0, 0]);
+        let flat = [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.1, 0.9, 0.0]];
+        let steep = |z: f64| [[0.3, 0.2, z], [0.4, 0.3, z + 1.0], [1.6, 0.9, z + 0.2]];
+        let orders = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+        let skew =
+            |[x, y, z]: [f64; 3]| [0.6 * x - 0.8 * y, 0.48 * x + 0.36 * y - 0.8 * z, 0.64 * x + 0.48 * y + 0.6 * z];
+        let turns = |[x, y, z]: [f64; 3]| [[x, y, z], [y, z, x], [z, x, y], skew([x, y, z])];
+        for (z, met) in [(-0.1, 1), (0.1, 0), (-1.1, 0)] {
+            let nodes = [flat, steep(z)].concat();
+            for (turn, first, second) in (0..4).flat_map(|t| orders.iter().flat_map(move |a| orders.map(|b| (t, a, b))))
+            {
+                let (first, second) = (first.map(|k| k), second.map(|k| 3 + k));
+                for pair in [[first, second], [second, first]] {
+                    let found = Crossings::new(2).count(|k| pair[k], |node| turns(nodes[node])[turn]);
+                    assert_eq!(found, met, "{pair:?} at {z}, turn {turn}");
+                }
+            }
+        }
+        let joined = [[0, 1, 2], [0, 4, 3]];
+        assert_eq!(Crossings::new(2).count(|k| joined[k], |node| [flat, steep(-0.5)].concat()[node]), 0);
     }
 }
