@@ -73,7 +73,7 @@ mod tests {
             let nodes = [flat, steep(z)].concat();
             for (turn, first, second) in (0..4).flat_map(|t| orders.iter().flat_map(move |a| orders.map(|b| (t, a, b))))
             {
-                let (first, second) = (first.map(|k| k), second.map(|k| 3 + k));
+                let (first, second) = (*first, second.map(|k| 3 + k));
                 for pair in [[first, second], [second, first]] {
                     let found = Crossings::new(2).count(|k| pair[k], |node| turns(nodes[node])[turn]);
                     assert_eq!(found, met, "{pair:?} at {z}, turn {turn}");
