@@ -202,9 +202,9 @@ fn axes_are_treated_alike_by_bodies() {
                 for k in 0..stations.len() {
                     let [x, y, z] = back(stations.position.each_ref().map(|along| along[k]));
                     let velocity = place([0.3 - y, 0.8 * x - 0.4 * z, 0.2 + 0.5 * y]);
-                    for axis in 0..3 {
-                        stations.position[axis][k] += 0.01 * velocity[axis];
-                        stations.velocity[axis][k] = velocity[axis];
+                    for (axis, velocity) in velocity.into_iter().enumerate() {
+                        stations.position[axis][k] += 0.01 * velocity;
+                        stations.velocity[axis][k] = velocity;
                     }
                 }
             }
