@@ -8,16 +8,18 @@ why the scene cannot be run.
 import ctypes
 import json
 import os
+import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from nervure.errors import Fault, SceneError
+from nervure.errors import Fault, InputError, SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library", "monitor"]
+__all__ = ["KINDS", "SUFFIX", "build", "check", "describe", "facts", "is_built", "kind_of", "library", "monitor"]
 
 BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
 """Types of the arguments by which a function writes a text: buffer, capacity, and size of the text."""
@@ -29,9 +31,12 @@ def kind_of(unit: str) -> str:
 
 
 def library(kind: str) -> Path:
-    """Return the path of the library of unit `kind`: in the folder `NERVURE_LIBRARIES`, in the wheel, or where cargo
-    built it in the source tree."""
+    """Return the path of the library of unit `kind`: in the folder `NERVURE_LIBRARIES`, in the wheel, or in the source
+    tree, where cargo builds it if it is missing."""
     path = _path(kind)
+    if SOURCE and not path.is_file() and not os.environ.get("NERVURE_LIBRARIES"):
+        print(f"building the library of the {kind}, once, which takes a minute or two", file=sys.stderr)
+        build(kind)
     if path.is_file():
         return path
     if path.is_relative_to(BINARIES):
@@ -40,7 +45,18 @@ def library(kind: str) -> Path:
             f"this system is {PLATFORM}, but nervure was installed with units for {there}; `pip install .` in the "
             "folder of the project compiles them for this one"
         )
-    raise SceneError(f"the library {path} is not built; `nervure build SCENE.json` builds it")
+    raise SceneError(f"there is no library {path}, in the folder that NERVURE_LIBRARIES names")
+
+
+def build(*kinds: str) -> None:
+    """Build the libraries of units in the source tree; cargo shows its progress on the standard error."""
+    packages = [f"--package=nervure-fmu-{kind}" for kind in kinds]
+    try:
+        done = subprocess.run(["cargo", "build", "--release", "--locked", *packages], cwd=SOURCE)
+    except FileNotFoundError:
+        raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
+    if done.returncode != 0:
+        raise InputError("the libraries cannot be built; see the messages of cargo above")
 
 
 def _path(kind: str) -> Path:
@@ -81,7 +97,7 @@ def _answer(name: str, *texts: str | None) -> str:
     try:
         function = ctypes.CDLL(str(path))[name]
     except AttributeError as error:
-        remedy = "`nervure build SCENE.json` builds it again"
+        remedy = "`make build` builds it again"
         raise SceneError(f"the library {path} is older than this nervure; {remedy}") from error
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
     encoded = [None if text is None else text.encode("utf-8", "surrogatepass") for text in texts]
@@ -105,6 +121,8 @@ def describe(kind: str, text: str, version: int = 2) -> str:
 
     Raises `SceneError` with the faults of the scene, or with the unit's words where only the unit refuses it.
     """
+    if not is_built(kind) and (faults := check(text)):  # before the library is built
+        raise SceneError("\n".join(fault.text for fault in faults), faults)
     name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
     function = ctypes.CDLL(str(library(kind)))[name]
     function.argtypes = [ctypes.c_char_p, *BUFFER]

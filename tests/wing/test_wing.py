@@ -2,7 +2,6 @@
 
 import copy
 import math
-import os
 import zipfile
 from typing import Any
 
@@ -15,7 +14,7 @@ from fmpy.validation import validate_fmu
 import nervure
 from nervure.errors import SceneError
 from nervure.resources import ROOT
-from nervure.scene import load, validate
+from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.session import Session
 from nervure.units import package
@@ -246,10 +245,3 @@ def test_the_picture_of_a_mesh_names_its_regions(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "regions outer (" in " ".join(done.stdout.split())
     assert (tmp_path / "results" / "wing-hanging" / "mesh.png").stat().st_size > 10_000
-
-
-def test_without_its_library_the_message_says_what_builds_it(monkeypatch, tmp_path):
-    (tmp_path / "libfmu_rod.so").symlink_to(ROOT / "target" / "release" / "libfmu_rod.so")
-    monkeypatch.setenv("NERVURE_LIBRARIES", os.fspath(tmp_path))
-    with pytest.raises(SceneError, match="`nervure build SCENE.json` builds it"):
-        Session(load(HANGING, COARSE))

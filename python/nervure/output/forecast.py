@@ -10,7 +10,7 @@ from itertools import count
 from pathlib import Path
 
 from nervure.scene.facts import Body, Facts
-from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.session import Session
 
 WARM_UP = 2  # Steps before the timing: the first has no history, the second no cached code
@@ -29,14 +29,21 @@ SEGMENT = 0.25  # Least length of a segment, in thicknesses
 
 def rows(session: Session) -> Iterator[tuple[str, str]]:
     """Yield flow, beam, resolution, steps, load and scheme of a session, by name."""
-    yield from _scene_rows(session)
+    yield from scene_rows(session.facts)
+    yield from scheme_rows(session)
+
+
+def scheme_rows(session: Session) -> Iterator[tuple[str, str]]:
+    """Yield load and scheme, by name."""
     if choice := session.scheme.choice:
         yield "load", f"{choice.load}: {choice.load_reason}"
         yield "scheme", f"{choice.scheme}: {choice.scheme_reason}"
 
 
-def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
-    scene, numbers, grid = session.scene, session.facts.numbers, session.grid
+def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
+    """Yield flow, beam, resolution and steps of a scene, by name."""
+    scene, numbers = facts.scene, facts.numbers
+    grid = TimeGrid(scene.time.end, scene.time.communication_step)
     steps = f"{grid.steps} of {grid.communication_step:g} s to {grid.end:g} s"
     if scene.fluid is None or numbers is None:
         yield "steps", steps
@@ -68,11 +75,11 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
         yield f"mount of {name}", "; ".join(parts)
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
-        line = "; the fluid meets it as a line" if name in session.facts.lines else ""
+        line = "; the fluid meets it as a line" if name in facts.lines else ""
         across = f"{body.thickness_cells:.3g} in the {_across(name)}" if body.thickness_cells else "no thickness"
         yield f"cells of {name}", f"{across}{layer}{line}"
     if numbers.cfl is not None:
-        each, largest = session.facts.fluid_steps, scene.fluid.time_stepping.max_cfl
+        each, largest = facts.fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""
         steps += f"{divided}; CFL number about {min(numbers.cfl, largest):.2g}, at most {largest:g}"
     yield "steps", steps

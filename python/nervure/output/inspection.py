@@ -2,7 +2,7 @@
 
 import importlib
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rich.console import Console
@@ -10,11 +10,14 @@ from rich.markup import escape
 from rich.table import Table
 
 from nervure.errors import InputError, UnitError
-from nervure.output import fields, forecast
+from nervure.library import is_built, kind_of
+from nervure.output import forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
+from nervure.scene.facts import Facts
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
+from nervure.units.describe import unit_names
 from nervure.units.fmu import read_description, variables_of, version_of
 
 FLAGS = {
@@ -82,7 +85,39 @@ def show_unit(console: Console, path: Path) -> None:
 
 
 def show_scene(console: Console, scene: Scene) -> None:
-    """Print sizes, choices and forecast of a scene; for the wall time it makes steps for half a second."""
+    """Print sizes, choices and forecast of a scene; what only the units know is left out where their libraries are not
+    built."""
+    facts, units = Facts(scene), unit_names(scene)
+    rows = [("description", scene.description)] if scene.description else []
+    *front, last = units
+    rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
+    if fluid := scene.fluid:
+        counts, box = fluid.box.cells, [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
+        spacing = (f"{(high - low) / n:.3g}" for (low, high), n in zip(box, counts, strict=True))
+        rows.append(("fluid", f"{' x '.join(map(str, counts))} cells of {' x '.join(spacing)} m"))
+        rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
+    for own in facts.beams:
+        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in facts.thickness[own.force][[0, -1]])
+        size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {beam.segments + 1} stations"
+        rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
+    if mesh := facts.wing:
+        size = f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
+        if scene.wing and scene.wing.regions:
+            names = [region.name for region in scene.wing.regions]
+            size += f", regions {', '.join(f'{n} ({(mesh.materials == i).sum()})' for i, n in enumerate(names, 1))}"
+        wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
+        rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
+    rows += forecast.scene_rows(facts)
+    if missing := dict.fromkeys(kind for kind in map(kind_of, units) if not is_built(kind)):
+        rows.append(("wall time", f"unknown until `nervure run` builds the library of the {' and the '.join(missing)}"))
+    else:
+        rows += _measured(scene)
+    rows += (("warning", text) for text in forecast.warnings(facts))
+    _print(console, scene.name, rows)
+
+
+def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield scheme, table, memory and wall time of a scene, by name, from steps for half a second."""
     importlib.import_module("nervure.output.plots")  # A run loads it, and its memory counts
     before = forecast.resident_memory()
     with Session(scene) as session:
@@ -93,36 +128,13 @@ def show_scene(console: Console, scene: Scene) -> None:
             raise UnitError(status.error)
         whole = status.wall if status.completed or pace.whole is None else pace.whole
         resident = forecast.resident_memory()
-        stations = {own.unit: len(fields.station_positions(session.units, own)) for own in session.facts.beams}
-
-    rows = [("description", scene.description)] if scene.description else []
-    *front, last = session.units
-    rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
-    if fluid := scene.fluid:
-        counts, box = fluid.box.cells, [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
-        spacing = (f"{(high - low) / n:.3g}" for (low, high), n in zip(box, counts, strict=True))
-        rows.append(("fluid", f"{' x '.join(map(str, counts))} cells of {' x '.join(spacing)} m"))
-        rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
-    for own in session.facts.beams:
-        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in session.facts.thickness[own.force][[0, -1]])
-        size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
-        rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
-    if mesh := session.facts.wing:
-        size = f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
-        if scene.wing and scene.wing.regions:
-            names = [region.name for region in scene.wing.regions]
-            size += f", regions {', '.join(f'{n} ({(mesh.materials == i).sum()})' for i, n in enumerate(names, 1))}"
-        wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
-        rows += [("wing", size), ("picture", str(wings.save_mesh(session, mesh)))]
     recorder = session.recorder
-    rows += forecast.rows(session)
-    rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
+    yield from forecast.scheme_rows(session)
+    yield "series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"
     if resident:
         total, pythons = (f"{size / 1e6:.0f} MB" for size in (resident + recorder.table.nbytes, before))
-        rows.append(("memory", f"about {total}, of which Python and its packages take {pythons}"))
-    rows.append(("wall time", f"about {forecast.duration(whole)} on this machine"))
-    rows += (("warning", text) for text in forecast.warnings(session.facts))
-    _print(console, scene.name, rows)
+        yield "memory", f"about {total}, of which Python and its packages take {pythons}"
+    yield "wall time", f"about {forecast.duration(whole)} on this machine"
 
 
 def show_results(console: Console, folder: Path) -> None:

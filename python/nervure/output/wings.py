@@ -96,20 +96,19 @@ def tinted(colours: np.ndarray, materials: np.ndarray) -> np.ndarray:
     return tinted
 
 
-def save_mesh(session: Session, mesh: WingMesh) -> Path:
-    """Write mesh.png, the mesh of a wing at rest with root, veins and regions, into the folder of a session; return its
-    path."""
-    picture = WingPicture(session.scene, mesh, mesh.nodes[None], plots.WIDTH)
+def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
+    """Write mesh.png, the mesh of a wing at rest with root, veins and regions, into `folder`; return its path."""
+    picture = WingPicture(scene, mesh, mesh.nodes[None], plots.WIDTH)
     picture.show(mesh.nodes)
     parts = [f"{len(mesh.nodes)} nodes", f"{len(mesh.triangles)} triangles", f"{len(mesh.veins)} veins"]
-    assert session.scene.wing is not None, "the mesh is of a wing"
-    if regions := session.scene.wing.regions:
+    assert scene.wing is not None, "the mesh is of a wing"
+    if regions := scene.wing.regions:
         parts.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}")
         squares = [Patch(color=TINTS[i % len(TINTS)], label=region.name) for i, region in enumerate(regions)]
         picture.figure.legend(handles=squares, loc="lower left", fontsize="small", frameon=False)
     picture.said.set_text(", ".join(parts))
-    session.folder.mkdir(parents=True, exist_ok=True)
-    return plots.save(picture.figure, session.folder / "mesh.png")
+    folder.mkdir(parents=True, exist_ok=True)
+    return plots.save(picture.figure, folder / "mesh.png")
 
 
 class Shape(Observer):

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
-from nervure.library import check, is_built
+from nervure.library import check
 from nervure.resources import ROOT, SCENES
 from nervure.scene import meshes, surfaces
 from nervure.scene.keys import Document, assign, json_or_text, override
@@ -41,8 +41,6 @@ def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
 def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
     """Return the scene as an object with types; raises `SceneError` with all faults that the units find.
 
-    Where the libraries are not built only the types are checked.
-
     >>> scene = nervure.load("csm3", ["beam.segments=12"], end_time=0.5)
     >>> scene.beam.segments, scene.time.end
     (12, 0.5)
@@ -52,7 +50,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
     if _embed(scene, path.parent) or assignments or end_time is not None:
-        faults = check(text(scene), source) if is_built("rod") else []
+        faults = check(text(scene), source)
     if faults:
         raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
     return validate(scene)
@@ -93,7 +91,7 @@ def _open(name: str | Path) -> tuple[Path, str]:
 
 def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     """Return the document of a scene file and its faults; raises `SceneError` where it is not JSON."""
-    faults = check(source) if is_built("rod") else []
+    faults = check(source)
     broken = [fault for fault in faults if fault.kind in ("syntax", "duplicate")]
     if broken:
         raise SceneError("\n".join(_line(fault, path, False) for fault in broken), broken)
@@ -131,7 +129,7 @@ def validate(scene: Document) -> Scene:
     try:
         return Scene.model_validate(scene)
     except ValidationError as error:
-        faults = check(text(scene)) if is_built("rod") else []
+        faults = check(text(scene))
         said = "\n".join(fault.text for fault in faults)
         raise SceneError(said or f"the scene does not have the types of its keys: {error}", faults) from error
 
@@ -164,7 +162,7 @@ def write_copy(name: str, base: str | Path) -> Path:
         copied = copied[: found.start(1)] + here + copied[found.end(1) :] if found else copied
     if json.loads(copied) != scene | changes:  # The words of the file are not those that were sought
         copied = text(scene | changes)
-    if is_built("rod") and (faults := check(copied)):
+    if faults := check(copied):
         raise SceneError("\n".join(fault.text for fault in faults), faults)
     try:
         with target.open("x", encoding="utf-8") as file:
