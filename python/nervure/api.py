@@ -20,8 +20,9 @@ from nervure.simulation.session import Session
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-    from rich.console import Console
     from xarray import Dataset
+
+    from nervure.terminal import Console
 
 __all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run", "sweep"]
 

@@ -10,7 +10,6 @@ import importlib.metadata
 import json
 import os
 import shutil
-import subprocess
 import sys
 import textwrap
 from collections.abc import Iterator
@@ -172,24 +171,14 @@ def build(
     fmi: Fmi = 2,
 ) -> None:
     """Pack the units of a scene without a run; in the source tree, build the libraries first."""
-    from nervure.library import kind_of
-    from nervure.scene import load, read
+    from nervure import library
+    from nervure.scene import load
     from nervure.units import package
     from nervure.units.describe import describe_all, unit_names
 
-    given = read(scene_file)  # before the libraries are built, which takes a while
+    scene = load(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
-        command = ["cargo", "build", "--release", "--locked"]
-        if given.get("wing"):  # Whose library takes longer to compile than all others, so that no other scene builds it
-            kinds = {"rod", *map(kind_of, unit_names(given))}  # The rod's library checks the scene
-            command += [f"--package=nervure-fmu-{kind}" for kind in sorted(kinds)]
-        try:
-            built = subprocess.run(command, cwd=SOURCE)
-        except FileNotFoundError:
-            raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
-        if built.returncode != 0:
-            raise InputError("the libraries cannot be built; see the messages of cargo above")
-    scene = load(scene_file)
+        library.build(*sorted({"rod", *map(library.kind_of, unit_names(scene))}))  # The rod's checks scenes
     for unit in describe_all(scene, fmi).values():
         if descriptions:
             path = descriptions / f"fmu_{unit.unit}.xml"
@@ -291,12 +280,11 @@ def inspect(
     overrides: Overrides = None,
 ) -> None:
     """Show the variables of an FMU, the size and forecast of a scene, or the results of a run or a sweep."""
-    from rich.console import Console
-
     from nervure.output import inspection, sweeps
     from nervure.scene import load
+    from nervure.terminal import Console
 
-    console = Console(highlight=False)
+    console = Console()
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
         raise InputError(f"--set and --end-time change a scene, but {path} is none")
     if (path / "sweep.json").is_file():
@@ -396,18 +384,17 @@ def sweep(
 
     The same command continues a sweep: finished runs are not repeated.
     """
-    from rich.console import Console
-
     from nervure import api
     from nervure.scene import read
     from nervure.simulation import sweep as sweeps
+    from nervure.terminal import Console
 
     if workers is not None and scheduler is not None:
         raise InputError("--workers is for runs on this machine; those of --scheduler have their own workers")
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.variation(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.path_name(scenes[0])}"
-    console = Console(quiet=quiet, highlight=False)
+    console = Console(quiet=quiet)
     todo = sweeps.missing_cases(cases, folder, retry_failed)
     console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
     if list_runs:
@@ -455,8 +442,12 @@ def merge(
 
 def main() -> None:
     """Run the command `nervure`."""
+    from nervure.terminal import accept_all_signs
+
+    accept_all_signs()
     gc.set_threshold(GARBAGE)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads spin
+    os.environ["MPLBACKEND"] = "agg"  # A notebook hands its own on, which may not be installed here
     try:
         app()
     except UnitFailure as error:
@@ -471,6 +462,6 @@ def main() -> None:
 
 
 def _say_error(error: object) -> None:
-    from rich.console import Console
+    from nervure.terminal import Console
 
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {error}", markup=False)
+    Console(stderr=True, soft_wrap=True).print(f"error: {error}", markup=False)

@@ -1,14 +1,22 @@
 """Output for people: pictures, fields, animations, tables, progress."""
 
+import os
 import re
+from importlib.util import find_spec
 from textwrap import shorten
 
 from nervure.scene.types import Display, Scene
+from nervure.terminal import legible
 
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 LONGEST_IN_MM = 10.0  # Longest length that a picture shows in mm, m
 TIP = re.compile(r"(?:(.+)_)?tip_u([xyz])")  # Columns of the motion of a tip; several rods have names
 CLAUSE = re.compile(r"[,;]|\.(?:\s|$)")  # End of the first clause of a description
+
+NOTEBOOK = "module://"  # Beginning of a backend that a notebook hands on to the programs that it starts
+_backend = os.environ.get("MPLBACKEND", "")
+if _backend.startswith(NOTEBOOK) and not find_spec(_backend.removeprefix(NOTEBOOK).partition(".")[0]):
+    del os.environ["MPLBACKEND"]  # matplotlib could not even be imported
 
 
 def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[str, float]:
@@ -38,7 +46,7 @@ def axis_label(name: str, unit: str) -> str:
 def title(scene: Scene, inches: float) -> str:
     """Return the first clause of the scene's description, or its name in words, cut to `inches` of small text."""
     words = CLAUSE.split(scene.description or "")[0] or re.sub(r"[-_]", " ", scene.name)
-    return shorten(words, round(14.5 * inches), placeholder=" …")
+    return shorten(legible(words), round(14.5 * inches), placeholder=" …")
 
 
 def in_words(column: str, scene: Scene) -> str:

@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
 
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from nervure.output import displayed_unit, forecast, tables
@@ -14,6 +13,7 @@ from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
+from nervure.terminal import Console
 
 TERMINAL_INTERVAL = 0.2  # Wall time between two updates in a terminal or a notebook, s
 FILE_INTERVAL = 10.0  # Wall time between two lines where the output is no terminal, s
@@ -29,10 +29,8 @@ def in_notebook() -> bool:
 def text_console(quiet: bool = False, stderr: bool = False) -> Console:
     """Return a console; in a notebook its lines are one text, where rich would make an output of each."""
     if in_notebook():  # It asks for colours, which its saved form shows as signs
-        return Console(
-            highlight=False, quiet=quiet, force_jupyter=False, force_terminal=False, width=NOTEBOOK_WIDTH, stderr=stderr
-        )
-    return Console(highlight=False, quiet=quiet, stderr=stderr)
+        return Console(quiet=quiet, force_jupyter=False, force_terminal=False, width=NOTEBOOK_WIDTH, stderr=stderr)
+    return Console(quiet=quiet, stderr=stderr)
 
 
 class NotebookDisplay:
