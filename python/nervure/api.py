@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
+from numbers import Real as Number
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.extras import require
 from nervure.files import undone_on_error
-from nervure.scene import Scene, load, read as read_scene
+from nervure.scene import Scene, load, plain, read as read_scene
 from nervure.simulation import checkpoint, results, sweep as sweeps
 from nervure.simulation.loop import Observer, TimeLoop, interruptible
 from nervure.simulation.session import Session
@@ -166,7 +167,7 @@ def run(
     in a notebook, in a figure below the cell, and `fmi`, the version of our units.
 
     `on_step(time, values)` is called with each recorded row of the series, a dictionary by column; where it returns
-    True, the run ends there, and its checkpoint stays in the folder.
+    a true value, the run ends there, and its checkpoint stays in the folder.
 
     >>> run = nervure.run("csm3", folder / "csm3", overrides=["time.end=0.1"], quiet=True)
     >>> run.summary.completed, len(run.series["tip_uy"])
@@ -186,12 +187,13 @@ def run(
     if fields_every is not None:
         require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
-    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    for name, value in options.items():
-        if value is not None and not (math.isfinite(value) and value >= 0):
-            raise InputError(f"{name} is {value}, but must be a finite number of at least 0")
+    given = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    for name, value in given.items():
+        if value is not None and not (isinstance(value, Number) and math.isfinite(value) and value >= 0):
+            raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
+    options = {name: None if value is None else float(value) for name, value in given.items()}
     with undone_on_error(folder or Path("results") / scene.name) as keep:
-        session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
+        session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=options["series_every"])
         return _run(session, options, quiet, live, keep, on_step)
 
 
@@ -228,7 +230,7 @@ class Caller(Observer):
         recorder = loop.recorder
         if loop.steps % recorder.stride == 0:
             values = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
-            self.stopped = self.call(loop.time, values) is True
+            self.stopped = bool(self.call(loop.time, values))
 
 
 def _run(
@@ -344,11 +346,12 @@ def run_cases(
 def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Variation:
     """Return the values of each key; raise `InputError` where a tuple of keys has values of another length."""
     if isinstance(keys, str):
-        return {keys: list(values)}
-    for one in values:
-        if not isinstance(one, tuple | list) or len(one) != len(keys):
+        return {keys: plain(list(values))}
+    rows = plain(list(values))
+    for one in rows:
+        if not isinstance(one, list) or len(one) != len(keys):
             raise InputError(f"the values of {', '.join(keys)} must be tuples of {len(keys)}, but one is {one!r}")
-    return {key: list(column) for key, column in zip(keys, zip(*values, strict=True), strict=True)}
+    return {key: list(column) for key, column in zip(keys, zip(*rows, strict=True), strict=True)}
 
 
 def read(folder: str | Path) -> Run:

@@ -190,7 +190,7 @@ def test_a_copy_of_a_scene_is_changed_and_the_scene_stays(falling):
     assert falling.rod.copy(damping=1.0).damping == 1.0
     with pytest.raises(nervure.InputError, match="did you mean time"):
         falling.copy({"tme.end": 1})
-    with pytest.raises(nervure.InputError, match="type of its key"):
+    with pytest.raises(nervure.InputError, match="but must be"):
         falling.copy(time__end="soon")
 
 

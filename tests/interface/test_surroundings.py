@@ -5,12 +5,15 @@ import os
 import subprocess
 import sys
 from contextlib import redirect_stdout
+from typing import Any
 
+import numpy as np
 import pytest
 
 import nervure
 from nervure import terminal
 from nervure.output import console
+from nervure.scene import validate
 from tests.conftest import TOOL
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -45,6 +48,43 @@ def test_a_command_runs_in_ascii_and_with_the_backend_of_a_notebook_that_is_else
 
 def test_control_signs_of_a_scene_do_not_reach_the_terminal(rod_only, capsys):
     rod_only["description"] = "red \x1b[31mand\x07 more"
-    nervure.inspect(nervure.scene.validate(rod_only))
+    nervure.inspect(validate(rod_only))
     assert r"red \x1b[31mand\x07 more" in capsys.readouterr().out
     assert terminal.legible("a\tb\nc\x9b") == "a\tb\nc\\x9b"
+
+
+def test_numbers_and_booleans_of_numpy_are_those_of_python(rod_only, tmp_path):
+    scene = validate(rod_only)
+    scene.beam.segments = np.int64(8)
+    scene = scene.copy({"time.end": np.float32(0.5), "rod.gravity": np.array([0, -2])})
+    assert scene.document()["time"]["end"] == 0.5 and scene.rod.gravity == [0, -2]
+    vary: Any = {"beam.segments": np.arange(8, 24, 8), "time.end": [np.float64(1e-3)]}
+    rows = nervure.sweep(scene, vary, tmp_path / "sweep", workers=1, quiet=True)
+    found = [(row["beam.segments"], row["status"]) for row in rows]
+    assert found == [(8, "finished"), (16, "finished")], rows
+    times: dict[str, Any] = {"checkpoint_every": np.int64(9), "series_every": np.float32(1e-3), "quiet": np.True_}
+    run = nervure.run(scene.copy(time__end=1e-3), tmp_path / "run", **times)
+    assert run.summary.completed
+
+
+@pytest.mark.parametrize("answer", [True, np.True_, 1, np.array(True)], ids=repr)
+def test_any_true_answer_to_a_step_ends_the_run(answer, tmp_path):
+    scene = nervure.load("csm1", end_time=0.1)
+    run = nervure.run(scene, tmp_path / "run", quiet=True, on_step=lambda t, _row: answer if t > 0.05 else 0)
+    assert abs(run.series["time"][-1] - 0.055) < 1e-9, run.series["time"][-1]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda scene: setattr(scene.beam, "segments", "eight"), "`segments` is 'eight', but must be a whole number"),
+        (lambda scene: setattr(scene.beam, "segmens", 8), "unknown key `segmens`: did you mean segments?"),
+        (lambda scene: type(scene.beam)(length=1.0), "the key `root` is missing"),
+        (lambda scene: scene.copy({"beam.segmens": 8}), "unknown key `beam.segmens`: did you mean segments?"),
+        (lambda scene: scene.copy(rod=3), "`rod` is 3, but must be an object"),
+    ],
+)
+def test_what_does_not_fit_a_key_is_said_in_a_sentence(change, said, rod_only):
+    with pytest.raises(nervure.InputError) as refused:
+        change(validate(rod_only))
+    assert str(refused.value) == said

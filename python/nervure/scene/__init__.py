@@ -17,12 +17,13 @@ from nervure.errors import Fault, SceneError
 from nervure.library import check
 from nervure.resources import ROOT, SCENES
 from nervure.scene import meshes, surfaces
-from nervure.scene.keys import Document, assign, json_or_text, override
+from nervure.scene.keys import Document, assign, json_or_text, override, plain
+from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
-    "Document", "Own", "Scene", "assign", "beams", "document", "json_or_text", "load", "override", "read", "text",
-    "validate", "write_copy",
+    "Document", "Own", "Scene", "assign", "beams", "document", "json_or_text", "load", "override", "plain", "read",
+    "text", "validate", "write_copy",
 ]  # fmt: skip
 
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
@@ -131,7 +132,7 @@ def validate(scene: Document) -> Scene:
     except ValidationError as error:
         faults = check(text(scene))
         said = "\n".join(fault.text for fault in faults)
-        raise SceneError(said or f"the scene does not have the types of its keys: {error}", faults) from error
+        raise SceneError(said or str(refusal(error)), faults) from None
 
 
 def document(scene: Scene | Document) -> Document:

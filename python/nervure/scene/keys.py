@@ -1,6 +1,7 @@
 """Changes of a scene by dotted keys, e.g. `fluid.box.cells.0`, in which a number is an index into a list."""
 
 import json
+import os
 from typing import Any
 
 from nervure.catalogue import hint, keys
@@ -41,7 +42,19 @@ def assign(scene: Document, key: str, value: Any) -> None:
     target: Any = scene
     for number, part in enumerate(parents):
         target = target[_existing(target, part, key, parents[:number])]
-    target[_existing(target, last, key, parents) if not isinstance(target, dict) else last] = value
+    target[_existing(target, last, key, parents) if not isinstance(target, dict) else last] = plain(value)
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: parts of a scene, tuples, paths, and numbers and arrays of NumPy become plain."""
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    if isinstance(value, dict):
+        return {key: plain(part) for key, part in value.items()}
+    for method in ("document", "tolist"):
+        if hasattr(value, method):
+            return getattr(value, method)()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
 
 
 def _existing(target: Any, part: str, key: str, parents: list[str]) -> str | int:

@@ -2,14 +2,18 @@
 
 import copy
 import operator
+import re
 from collections.abc import Iterable, Mapping
 from numbers import Real as Number
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, Strict, ValidationError
+from pydantic import BaseModel, ConfigDict, PlainValidator, Strict, ValidationError, field_validator
 
+from nervure.catalogue import hint, keys
 from nervure.errors import SceneError
-from nervure.scene.keys import assign
+from nervure.scene.keys import assign, plain
+
+LONGEST_SHOWN = 60  # Characters of a value in a message
 
 
 def _real(value: Any) -> float:
@@ -31,10 +35,58 @@ Integer = Annotated[int, PlainValidator(_integer)]
 Flag = Annotated[bool, Strict()]
 
 
-class Part(BaseModel):
+class TypeFault(SceneError, ValueError):
+    """A value that does not have the type of its key."""
+
+
+def refusal(error: ValidationError) -> TypeFault:
+    """Return the innermost reason why a part does not have its types as a sentence with key and value."""
+    found = max(error.errors(include_url=False), key=lambda one: len(one["loc"]))
+    # Between the keys stand the names of the types that a value may have.
+    path = [part for part in found["loc"] if isinstance(part, int) or re.fullmatch("[a-z_0-9]+", part)]
+    key, shown = ".".join(map(str, path)), repr(found["input"])
+    if found["type"] == "extra_forbidden":
+        near = hint(str(path[-1]), keys(".".join(map(str, path[:-1])))) if error.title == "Scene" else ""
+        return TypeFault(": ".join(filter(None, [f"unknown key `{key}`", near])))
+    if found["type"] == "missing":
+        return TypeFault(f"the key `{key}` is missing")
+    said = found["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    said = re.sub(r"a valid dictionary or instance of \w+", "an object", said)
+    short = shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}…"
+    return TypeFault(f"`{key}` is {short}, but {said}")
+
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as _Checked
+else:
+
+    class _Checked(type(BaseModel)):
+        """Makes parts, and refuses what does not fit in a sentence."""
+
+        def __call__(cls, *arguments, **fields):
+            try:
+                return super().__call__(*arguments, **fields)
+            except ValidationError as error:
+                raise refusal(error) from None
+
+
+class Part(BaseModel, metaclass=_Checked):
     """A part of a scene. Types are checked here, also when an attribute is set; values are for the units to check."""
 
     model_config = ConfigDict(extra="forbid", validate_assignment=True, validate_by_name=True, defer_build=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _plain(cls, value: Any) -> Any:
+        return value.tolist() if hasattr(value, "tolist") else value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and name not in type(self).model_fields:
+            raise TypeFault(f"unknown key `{name}`: {hint(name, type(self).model_fields)}")
+        try:
+            super().__setattr__(name, value)
+        except ValidationError as error:
+            raise refusal(error) from None
 
     def copy(self, changes: Mapping[str, Any] | None = None, /, **more: Any) -> Self:
         """Return a copy in which the values at dotted keys are changed; in a keyword two underscores stand for a dot.
@@ -49,11 +101,11 @@ class Part(BaseModel):
             **(changes or {}),
             **{name.replace("__", "."): value for name, value in more.items()},
         }.items():
-            assign(changed, key, _plain(value))
+            assign(changed, key, value)
         try:
             return type(self).model_validate(changed)
         except ValidationError as error:
-            raise SceneError(f"a changed value does not have the type of its key: {error}") from error
+            raise refusal(error) from None
 
     def __repr_args__(self) -> Iterable[tuple[str | None, Any]]:
         """Return what was given: a scene in a notebook shows no defaults."""
@@ -62,15 +114,7 @@ class Part(BaseModel):
     def document(self) -> dict[str, Any]:
         """What was given, as JSON has it, without defaults: a file stays as short as its author wrote it."""
         return {
-            field.alias or name: _plain(getattr(self, name))
+            field.alias or name: plain(getattr(self, name))
             for name, field in type(self).model_fields.items()
             if name in self.model_fields_set or getattr(self, name) != field.get_default(call_default_factory=True)
         }
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Part):
-        return value.document()
-    if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
-    return [_plain(part) for part in value] if isinstance(value, list | tuple) else value

@@ -15,6 +15,7 @@ from nervure.evaluate.statistics import Series
 from nervure.files import write_together
 from nervure.scene import Document, Scene, document, text, validate
 from nervure.scene.facts import Facts
+from nervure.scene.part import refusal
 from nervure.simulation.summary import Summary
 from nervure.units.describe import unit_label
 
@@ -67,8 +68,8 @@ def read(folder: Path) -> Results:
         raise InputError(f"{folder} holds no results: {missing}: {error.strerror}; `nervure run` makes them") from error
     except ValidationError as error:
         raise InputError(
-            f"the results in {folder} are damaged, or of another version: summary.json: {error}"
-        ) from error
+            f"the results in {folder} are damaged, or of another version: summary.json: {refusal(error)}"
+        ) from None
     except ValueError as error:
         raise InputError(f"the results in {folder} are damaged: {error}") from error
     if table.shape[1] != len(columns):
