@@ -13,7 +13,7 @@ from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.extras import require
 from nervure.files import undone_on_error
-from nervure.scene import Scene, load, plain, read as read_scene
+from nervure.scene import Scene, document, load, plain, read as read_scene, with_files
 from nervure.simulation import checkpoint, results, sweep as sweeps
 from nervure.simulation.loop import Observer, TimeLoop, interruptible
 from nervure.simulation.session import Session
@@ -140,7 +140,8 @@ def inspect(scene: Scene | str | Path) -> None:
     `InputError` where the scene cannot be used."""
     from nervure.output import console, inspection
 
-    inspection.show_scene(console.text_console(), scene if isinstance(scene, Scene) else load(scene))
+    given = with_files(scene) if isinstance(scene, Scene) else load(scene)
+    inspection.show_scene(console.text_console(), given)
 
 
 def run(
@@ -180,6 +181,7 @@ def run(
         scene = load(scene, overrides)
     elif overrides := list(overrides):
         raise InputError(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+    scene = with_files(scene)
     if fmi not in (2, 3):
         raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
     if output == "":
@@ -310,9 +312,9 @@ def sweep(
     if workers is not None and scheduler is not None:
         raise InputError("workers are for runs on this machine; those of a scheduler are its own")
     several = [scenes] if isinstance(scenes, Scene | str | Path) else scenes
-    bases = [one.document() if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
+    bases = [one if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
     cases = sweeps.grid(bases, [_variation(keys, values) for keys, values in vary.items()])
-    folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(bases[0])}"
+    folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(document(bases[0]))}"
     todo = sweeps.missing_cases(cases, folder, retry_failed)
     from nervure.output.console import text_console
 

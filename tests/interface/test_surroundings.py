@@ -1,6 +1,7 @@
 """Consoles, notebooks, NumPy, files beside a scene, and other runs at the same time: what surrounds a run."""
 
 import io
+import json
 import os
 import subprocess
 import sys
@@ -14,7 +15,7 @@ import nervure
 from nervure import terminal
 from nervure.output import console
 from nervure.scene import validate
-from tests.conftest import TOOL
+from tests.conftest import FLUID_ONLY, TOOL
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -88,3 +89,14 @@ def test_what_does_not_fit_a_key_is_said_in_a_sentence(change, said, rod_only):
     with pytest.raises(nervure.InputError) as refused:
         change(validate(rod_only))
     assert str(refused.value) == said
+
+
+def test_a_new_scene_that_the_disk_does_not_take_leaves_nothing(tmp_path):
+    (tmp_path / "long.json").write_text(json.dumps(FLUID_ONLY | {"description": "x" * 5000}))
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from nervure.cli import main; "
+    )
+    command = [sys.executable, "-c", f"{code}sys.argv[1:] = ['new', 'mine', '--from', 'long.json']; main()"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "cannot write mine.json: File too large" in done.stderr, done.stderr
+    assert not (tmp_path / "mine.json").exists()

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from nervure.errors import InputError, SceneError
-from nervure.scene import load
+from nervure.scene import load, read, with_files, write_copy
+from nervure.scene.types import WingMeshFile
+from nervure.simulation import sweep
 from nervure.units.describe import describe
 from tests.reliability.unit import WING
 
@@ -99,3 +101,41 @@ def test_faults_keep_the_line_of_the_scene_file(scene, tmp_path):
     line = next(i for i, text in enumerate(path.read_text().splitlines(), 1) if '"root"' in text)
     with pytest.raises(SceneError, match=f"line {line}, column"):
         load(path)
+
+
+def test_a_copy_and_a_sweep_name_other_files_as_a_run_does(scene, tmp_path):
+    write(tmp_path / "wing.stl", lines=False)
+    meshio.Mesh(2 * POINTS, [("triangle", TRIANGLES)]).write(tmp_path / "large.stl")
+    base = load(scene("wing.stl"))
+    large = base.copy({"wing.mesh.file": "large.stl"})
+    assert np.ptp(large.wing.mesh.triangles.nodes, axis=0).tolist() == [4, 2, 0]
+    assert large.copy({"wing.mesh.file": "wing.stl"}) == base
+    for given in (base, read(scene("wing.stl"))):
+        cases = sweep.grid([given], [{"wing.mesh.file": ["wing.stl", "large.stl"]}])
+        assert [case.scene for case in cases] == [base.document(), large.document()]
+    base.wing.mesh = WingMeshFile(file=str(tmp_path / "large.stl"))
+    assert with_files(base).wing.mesh == large.wing.mesh
+
+
+def test_another_surface_keeps_the_unit_of_the_file(tmp_path):
+    pytest.importorskip("trimesh")
+    for name, size in (("small.stl", 1.0), ("large.stl", 2.0)):
+        meshio.Mesh(size * POINTS, [("triangle", TRIANGLES)]).write(tmp_path / name)
+    bodies = [{"shape": {"triangulation": {"file": "small.stl", "unit": 0.1}}, "position": [0, 0, 0]}]
+    document = read("sphere-oscillating-64x64x64")
+    document["fluid"] |= {"bodies": bodies}
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    found = load(tmp_path / "scene.json").copy({"fluid.bodies.0.shape.triangulation.file": "large.stl"})
+    nodes = found.fluid.bodies[0].shape.triangulation.nodes
+    assert np.allclose(np.ptp(nodes, axis=0), [0.4, 0.2, 0]), nodes
+
+
+def test_a_new_scene_names_the_file_of_the_scene_that_it_copies(scene, tmp_path, monkeypatch):
+    write(tmp_path / "wing.stl", lines=False)
+    base = scene("wing.stl")
+    (tmp_path / "else").mkdir()
+    monkeypatch.chdir(tmp_path)
+    for name in ("mine", "else/mine"):
+        copied = write_copy(name, base)
+        assert load(copied).wing == load(base).wing and "triangles" not in copied.read_text()
+    assert '"../wing.stl"' in (tmp_path / "else" / "mine.json").read_text()

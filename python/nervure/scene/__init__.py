@@ -4,11 +4,15 @@ The units' libraries alone decide which values a scene may have (`crates/scene`)
 the text has no defaults, which would otherwise become part of every result and outlast a later version's better ones.
 """
 
+import copy
 import json
+import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import reduce
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -16,14 +20,14 @@ from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check
 from nervure.resources import ROOT, SCENES
-from nervure.scene import meshes, surfaces
+from nervure.scene.files import Files, Read, named
 from nervure.scene.keys import Document, assign, json_or_text, override, plain
 from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
-    "Document", "Own", "Scene", "assign", "beams", "document", "json_or_text", "load", "override", "plain", "read",
-    "text", "validate", "write_copy",
+    "Document", "Own", "Scene", "assign", "beams", "document", "files_of", "json_or_text", "load", "override", "plain",
+    "read", "text", "validate", "with_files", "write_copy",
 ]  # fmt: skip
 
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
@@ -34,8 +38,8 @@ def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     and another end time, s, and with the nodes and triangles of its files; raises `SceneError` if it is not a JSON
     object."""
     path, source = _open(name)
-    scene = _changed(_parse(path, source)[0], overrides, end_time)
-    _embed(scene, path.parent)
+    scene = Read(_changed(_parse(path, source)[0], overrides, end_time))
+    scene.files = Files(path.parent).embed(scene)
     return scene
 
 
@@ -50,11 +54,24 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
-    if _embed(scene, path.parent) or assignments or end_time is not None:
+    files = Files(path.parent).embed(scene)
+    if files.parts or assignments or end_time is not None:
         faults = check(text(scene), source)
     if faults:
         raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
-    return validate(scene)
+    made = validate(scene)
+    made._files = files
+    return made
+
+
+def with_files(scene: Scene) -> Scene:
+    """Return a scene with what the files hold that its attributes name; the same where they name none."""
+    return scene.copy() if any(named(scene.document())) else scene
+
+
+def files_of(scene: Scene | Document) -> Files:
+    """Return where the files of a scene are, by default in the working folder."""
+    return scene._files if isinstance(scene, Scene) else getattr(scene, "files", Files())
 
 
 def _line(fault: Fault, path: Path, with_end_time: bool) -> str:
@@ -106,11 +123,6 @@ def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     return scene, faults
 
 
-def _embed(scene: Document, folder: Path) -> bool:
-    """Put what files beside the scene hold in the place of their names; return whether there was one."""
-    return any([surfaces.embed(scene, folder), meshes.embed(scene, folder)])
-
-
 def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:
     refused: list[str] = []
     for assignment in overrides:
@@ -151,26 +163,46 @@ def write_copy(name: str, base: str | Path) -> Path:
     target = Path(name if name.endswith(".json") else f"{name}.json")
     path, source = _open(base)
     scene, faults = _parse(path, source)
+    if Files(path.parent).embed(whole := copy.deepcopy(scene)).parts:
+        faults = check(text(whole), source)
     if faults:
         raise SceneError("\n".join(_line(fault, path, False) for fault in faults), faults)
     changes = {"name": target.stem}
     if "$schema" in scene:
         changes["$schema"] = (ROOT / "modelDescription" / "scene.schema.json").resolve().as_uri()
-    copied = source
+    changes |= {f"{key}.file": _moved(part["file"], path.parent, target.parent) for key, part in named(scene)}
+    changed, copied = copy.deepcopy(scene), source
     for key, value in changes.items():
-        there, here = (json.dumps(one, ensure_ascii=False) for one in (scene[key], value))
-        found = re.search(rf'"{re.escape(key)}"\s*:\s*({re.escape(there)})', copied)
+        there, here = (json.dumps(one, ensure_ascii=False) for one in (_value(scene, key), value))
+        found = re.search(rf'"{re.escape(key.rpartition(".")[2])}"\s*:\s*({re.escape(there)})', copied)
         copied = copied[: found.start(1)] + here + copied[found.end(1) :] if found else copied
-    if json.loads(copied) != scene | changes:  # The words of the file are not those that were sought
-        copied = text(scene | changes)
-    if faults := check(copied):
+        assign(changed, key, value)
+    if json.loads(copied) != changed:  # The words of the file are not those that were sought
+        copied = text(changed)
+    Files(target.parent).embed(changed)
+    if faults := check(text(changed)):
         raise SceneError("\n".join(fault.text for fault in faults), faults)
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(copied)
+    except FileExistsError:
+        raise SceneError(f"{target} exists, and `nervure new` replaces no file") from None
     except OSError as error:
-        raise SceneError(f"cannot write {target}: {error.strerror}; `nervure new` replaces no file") from error
+        target.unlink(missing_ok=True)
+        raise SceneError(f"cannot write {target}: {error.strerror}") from error
     return target
+
+
+def _value(scene: Document, key: str) -> Any:
+    """Return the value at a dotted key of a document that has it."""
+    return reduce(lambda part, name: part[int(name) if isinstance(part, list) else name], key.split("."), scene)
+
+
+def _moved(file: str, before: Path, after: Path) -> str:
+    """Return the path of a file beside `before` as a scene in the folder `after` names it."""
+    if before.resolve() == after.resolve() or os.path.isabs(file):
+        return file
+    return Path(os.path.relpath(before.resolve() / file, after.resolve())).as_posix()
 
 
 @dataclass(frozen=True)

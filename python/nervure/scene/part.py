@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping
 from numbers import Real as Number
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, Strict, ValidationError, field_validator
+from pydantic import BaseModel, ConfigDict, PlainValidator, PrivateAttr, Strict, ValidationError, field_validator
 
 from nervure.catalogue import hint, keys
 from nervure.errors import SceneError
-from nervure.scene.keys import assign, plain
+from nervure.scene.files import Files
+from nervure.scene.keys import plain
 
 LONGEST_SHOWN = 60  # Characters of a value in a message
 
@@ -75,6 +76,8 @@ class Part(BaseModel, metaclass=_Checked):
 
     model_config = ConfigDict(extra="forbid", validate_assignment=True, validate_by_name=True, defer_build=True)
 
+    _files: Files = PrivateAttr(default_factory=Files)
+
     @field_validator("*", mode="before")
     @classmethod
     def _plain(cls, value: Any) -> Any:
@@ -97,15 +100,14 @@ class Part(BaseModel, metaclass=_Checked):
         (12, 0.5)
         """
         changed = copy.deepcopy(self.document())
-        for key, value in {
-            **(changes or {}),
-            **{name.replace("__", "."): value for name, value in more.items()},
-        }.items():
-            assign(changed, key, value)
+        by_name = {name.replace("__", "."): value for name, value in more.items()}
+        files = self._files.change(changed, {**(changes or {}), **by_name})
         try:
-            return type(self).model_validate(changed)
+            made = type(self).model_validate(changed)
         except ValidationError as error:
             raise refusal(error) from None
+        made._files = files
+        return made
 
     def __repr_args__(self) -> Iterable[tuple[str | None, Any]]:
         """Return what was given: a scene in a notebook shows no defaults."""

@@ -30,7 +30,7 @@ from nervure.errors import InputError, SceneError
 from nervure.extras import require
 from nervure.files import json_numbers, undone_on_error, write_csv, write_whole
 from nervure.library import check, kind_of, library
-from nervure.scene import Document, Scene, assign, document, json_or_text, text, validate
+from nervure.scene import Document, Scene, document, files_of, json_or_text, text, validate
 from nervure.simulation import results
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.session import Session
@@ -145,9 +145,11 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
     bases = list(scenes)
     for base in bases:
         for combination in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
-            scene, varied = copy.deepcopy(document(base)), dict(zip(keys, itertools.chain(*combination), strict=True))
-            for key, value in varied.items():
-                assign(scene, key, copy.deepcopy(value))
+            scene, varied = (
+                copy.deepcopy({**document(base)}),
+                dict(zip(keys, itertools.chain(*combination), strict=True)),
+            )
+            files_of(base).change(scene, varied)
             digest = hashlib.sha256(text(scene).encode())
             for kind in dict.fromkeys(map(kind_of, unit_names(scene))):
                 digest.update(library_digest(kind))
