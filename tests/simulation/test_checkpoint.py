@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nervure import api
+from nervure.errors import InputError
 from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.results import CHECKPOINT
@@ -260,6 +262,47 @@ def test_an_edited_checkpoint_is_refused_whatever_was_edited(saved):
             pytest.fail(name)
         count += 1
     assert count > 200, count
+
+
+def test_whatever_an_edited_checkpoint_with_a_right_digest_holds_is_refused_or_goes_on(small_fsi3, tmp_path):
+    """Every fifteenth edit."""
+    options = {"checkpoint_every": 0.0, "fields_every": None, "series_every": None}
+    with Session.packed(validate(small_fsi3), tmp_path) as session:
+        session.start()
+        session.step()
+        saved = checkpoint.Checkpoint(session, options)
+        saved.save()
+    with np.load(saved.path) as archive:
+        arrays = dict(archive)
+    refused = went_on = 0
+    for _, changed in list(edits(arrays))[::15]:
+        changed.pop(checkpoint.DIGEST, None)
+        with open(saved.path, "wb") as file:
+            np.savez(file, digest=checkpoint.digest(changed), **changed)
+        try:
+            resumed, _ = checkpoint.resume(saved.path.parent)
+        except InputError:
+            refused += 1
+            continue
+        with resumed:
+            resumed.step()
+            went_on += 1
+    assert refused > 4 * went_on > 0, (refused, went_on)
+
+
+def test_a_finished_run_goes_on_to_a_later_end_as_if_it_had_been_the_first(rod_only, tmp_path):
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    for folder, end, minutes in ((whole, 0.02, None), (parts, 0.01, 60.0)):
+        api.run(validate(rod_only).copy(time__end=end), folder, quiet=True, checkpoint_every=minutes)
+    for folder, said in ((whole, "there is no checkpoint"), (parts, "is finished: `--end-time` lets it go on")):
+        with pytest.raises(InputError, match=said):
+            api.resume(folder)
+    with pytest.raises(InputError, match="the end time is 0.01 s, but the run in .* has reached 0.01 s"):
+        api.resume(parts, end_time=0.01)
+    longer = api.resume(parts, end_time=0.02, quiet=True)
+    assert longer.summary.completed and longer.scene.time.end == 0.02
+    for column, values in api.read(whole).series.items():
+        assert np.allclose(longer.series[column], values, rtol=1e-9, atol=1e-12), column
 
 
 def test_the_guards_go_on_with_their_history(small_fsi3, tmp_path):

@@ -108,4 +108,6 @@ class IqnIls:
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
         self.v, self.w, self.step_of = memory["v"], memory["w"], memory["step_of"]
+        if not len(self.v) == len(self.w) == len(self.step_of):
+            raise ValueError(f"there are {len(self.v)}, {len(self.w)} and {len(self.step_of)} differences")
         self.step = int(memory["step"][0])

@@ -9,6 +9,7 @@ the old one at one moment, the renaming.
 import hashlib
 import json
 import os
+import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,9 +19,9 @@ import numpy as np
 
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
-from nervure.scene import validate
-from nervure.simulation.loop import Observer, TimeLoop
-from nervure.simulation.results import CHECKPOINT, Results
+from nervure.scene import Document, Scene, validate
+from nervure.simulation.loop import STEP_ROUNDING, Observer, TimeLoop
+from nervure.simulation.results import CHECKPOINT, FINAL, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.describe import unit_label
@@ -28,6 +29,7 @@ from nervure.units.describe import unit_label
 FORMAT = 10
 DIGEST = "digest"  # Array with the digest of the other arrays
 EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need
+OPTIONS = ("checkpoint_every", "fields_every", "series_every")
 About = dict[str, Any]  # Part of a checkpoint in JSON
 Options = dict[str, float | None]  # `checkpoint_every` (min), `fields_every` and `series_every` (s)
 
@@ -45,13 +47,17 @@ class Kept:
     arrays: dict[str, np.ndarray]
 
 
-def read(folder: Path) -> Kept:
-    """Read the checkpoint in `folder`."""
-    path = folder / CHECKPOINT
+def read(folder: Path, finished: bool = False) -> Kept:
+    """Read the checkpoint in `folder`; that of a finished run, too, if `finished`."""
+    path, final = folder / CHECKPOINT, folder / FINAL
+    if not path.is_file() and final.is_file():
+        if not finished:
+            raise CheckpointError(f"the run in {folder} is finished: `--end-time` lets it go on to a later time")
+        path = final
     if not path.is_file():
         raise CheckpointError(
             f"there is no checkpoint {path} to resume from: a run leaves one where Ctrl-C or SIGTERM stops it, and "
-            "with --checkpoint-every where it is killed"
+            "with --checkpoint-every where it is killed, or finished and to be extended by `--end-time`"
         )
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
@@ -77,14 +83,31 @@ def digest(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.frombuffer(found.digest(), np.uint8)
 
 
-def resume(folder: Path) -> tuple[Session, Options]:
-    """Open the session of the run in `folder` at its checkpoint, with the FMUs that the run had."""
-    kept = read(folder)
+def resume(folder: Path, end_time: float | None = None) -> tuple[Session, Options]:
+    """Open the session of the run in `folder` at its checkpoint, with the FMUs that the run had, and with another end
+    time (s) if it is given."""
+    kept = read(folder, end_time is not None)
+    try:
+        return _resume(folder, kept, end_time)
+    except InputError:
+        raise
+    except Exception as error:  # Its digest fits, but anything may stand in it
+        raise CheckpointError(f"the checkpoint {kept.path} holds what no run wrote: {error!r}") from error
+
+
+def _resume(folder: Path, kept: Kept, end_time: float | None) -> tuple[Session, Options]:
     fmus = {unit: folder / path for unit, path in kept.about["fmus"].items()}
     for unit, path in fmus.items():
         if not path.is_file():
             raise InputError(f"the {unit_label(unit)} of the run in {folder} is not there any more: {path}")
-    scene, options = validate(kept.about["scene"]), kept.about["options"]
+    options: Options = {name: None if kept.about["options"][name] is None else float(kept.about["options"][name])
+                        for name in OPTIONS}  # fmt: skip
+    for unit, path in fmus.items():
+        if unit not in kept.about["foreign"] and _lasting(_carried(path)) != _lasting(kept.about["scene"]):
+            raise CheckpointError(f"the checkpoint {kept.path} is of another scene than the {unit_label(unit)}, {path}")
+    scene, done = validate(kept.about["scene"]), kept.about["done"]
+    if end_time is not None:
+        _extend(scene, done, end_time, options, folder)
     session = Session(scene, folder, fmus, foreign=kept.about["foreign"], series_every=options["series_every"])
     try:
         restore(session, kept)
@@ -94,8 +117,34 @@ def resume(folder: Path) -> tuple[Session, Options]:
     return session, options
 
 
+def _carried(fmu: Path) -> Document:
+    """Return the scene that a unit carries."""
+    with zipfile.ZipFile(fmu) as archive:
+        carried: Document = json.loads(archive.read("resources/scene.json"))
+    return carried
+
+
+def _lasting(scene: Document) -> Document:
+    """Return a scene without what differs between units, or after an extension."""
+    time = {name: value for name, value in scene["time"].items() if name != "end"}
+    return {name: part for name, part in scene.items() if name != "this_rod"} | {"time": time}
+
+
+def _extend(scene: Scene, done: int, end: float, options: Options, folder: Path) -> None:
+    """Give a scene, of which steps are `done`, another end (s); raise `InputError` where a run cannot go on to it."""
+    step = scene.time.communication_step
+    if not end > done * step * (1 + STEP_ROUNDING):
+        raise InputError(f"the end time is {end:g} s, but the run in {folder} has reached {done * step:g} s")
+    if done * step > scene.time.end * (1 + STEP_ROUNDING):
+        raise InputError(f"the run in {folder} ended within a step of {step:g} s, after which it cannot go on")
+    if options["fields_every"] is not None:
+        raise InputError(f"the run in {folder} wrote fields, whose files have no room for more times")
+    scene.time.end = end
+
+
 def restore(session: Session, kept: Kept) -> None:
-    """Start the units of a session and put it into the kept state."""
+    """Start the units of a session and put it into the kept state. Raise `ValueError` where an array or a number is
+    not what the session has in its place."""
     about, arrays = kept.about, kept.arrays
     session.scheme.start()
     for name, unit in session.units.items():
@@ -111,18 +160,35 @@ def restore(session: Session, kept: Kept) -> None:
             raise CheckpointError(
                 f"the checkpoint {kept.path} is of another build of the {unit_label(name)}: {error}"
             ) from error
-        for array in EXCHANGED:
-            getattr(unit, array)[:] = arrays[f"{name}_{array}"]
-        unit.seconds = about["seconds"][name]
+        for exchanged in EXCHANGED:
+            own = getattr(unit, exchanged)
+            own[:] = _like(own, arrays[f"{name}_{exchanged}"], own.shape)
+        unit.seconds = float(about["seconds"][name])
     memory = {name.removeprefix("scheme_"): array for name, array in arrays.items() if name.startswith("scheme_")}
+    for name, array in session.scheme.memory().items():
+        _like(array, memory[name], (len(memory[name]), *array.shape[1:]))
     session.scheme.remember(memory)
-    session.recorder.resume(arrays["series"])
-    session.resume_at(about["done"], about["wall"])
-    session.warnings, session.places.memory = about["warnings"], about["places"]
+    session.scheme.logs()
+    done, recorder = about["done"], session.recorder
+    if not (isinstance(done, int) and 0 < done <= session.grid.steps):
+        raise ValueError(f"{done} steps are done of {session.grid.steps}")
+    recorder.resume(_like(recorder.table, arrays["series"], (done // recorder.stride + 1, len(recorder.columns))))
+    session.resume_at(done, float(about["wall"]))
+    if not all(isinstance(text, str) for text in about["warnings"]):
+        raise ValueError("its warnings are no texts")
+    session.warnings, session.places.memory = list(about["warnings"]), about["places"]
+
+
+def _like(own: np.ndarray, kept: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Return a kept array; raise `ValueError` where its shape is not `shape`, or its type not that of `own`."""
+    if kept.shape != shape or kept.dtype != own.dtype:
+        raise ValueError(f"an array is {kept.dtype} {kept.shape} in the place of {own.dtype} {shape}")
+    return kept
 
 
 class Checkpoint(Observer):
-    """Keeps the checkpoint of a session: every `interval` minutes of wall time, if given, and where a run is stopped.
+    """Keeps the checkpoint of a session: every `interval` minutes of wall time and at the end, if given, and where a
+    run is stopped.
 
     Where the disk does not take a checkpoint, `warn` is called and the checkpoint before stays.
     """
@@ -183,7 +249,8 @@ class Checkpoint(Observer):
             self.warn(f"no checkpoint at t = {self.session.time:g} s: {error}")
 
     def step(self, loop: TimeLoop) -> None:
-        if self.interval is not None and loop.steps > 0 and (wall := loop.wall) >= self.due:
+        at_end = loop.steps == loop.grid.steps
+        if self.interval is not None and loop.steps > 0 and ((wall := loop.wall) >= self.due or at_end):
             self.try_to_save()
             self.due = wall + self.interval
 
@@ -192,5 +259,7 @@ class Checkpoint(Observer):
             self.try_to_save()
 
     def finish(self, results: Results) -> None:
-        if results.summary.completed:
+        if results.summary.completed and self.interval is not None and self.path.exists():
+            self.path.replace(self.path.with_name(FINAL))
+        elif results.summary.completed:
             self.path.unlink(missing_ok=True)

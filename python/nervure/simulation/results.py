@@ -24,11 +24,11 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 
 FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "motion.gif",
-    "motion.mp4", "wing.png", "iterations.csv", "convergence.csv", "series.h5",
+    "motion.mp4", "wing.png", "iterations.csv", "convergence.csv", "series.h5", "final.npz",
 )  # fmt: skip
 """Further files of a cylinder alone, a driven root, `animate`, a wing, an iterated scheme and a long run."""
 
-CHECKPOINT = "checkpoint.npz"
+CHECKPOINT, FINAL = "checkpoint.npz", "final.npz"  # Of a run that was stopped, and of a finished one
 FIELDS = FLUID_FIELDS, BEAM_FIELDS, WING_FIELDS = "fields.vtkhdf", "beam.vtkhdf", "wing.vtkhdf"
 """Files with fields; of several rods `beam-NAME.vtkhdf`."""
 

@@ -63,7 +63,8 @@ class Session(TimeLoop):
                 fmus = {unit: package.lay_out(own, place) for unit, own in describe_all(scene).items()}
             self.fmus, self.foreign = fmus, foreign
             for unit, path in fmus.items():
-                self.units[unit] = Unit(path, unit_label(unit), grid.end)
+                # Ours may go on after the end, from a checkpoint.
+                self.units[unit] = Unit(path, unit_label(unit), grid.end if unit in foreign else None)
                 stack.callback(self.units[unit].close)
             made = scheme(self.units) if scheme else couple(self.units, scene.coupling, drive, foreign)
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1

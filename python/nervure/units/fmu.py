@@ -78,7 +78,7 @@ class Unit:
     warning raises `UnitError` with the errors that the unit logged.
     """
 
-    def __init__(self, path: Path, name: str, stop_time: float):
+    def __init__(self, path: Path, name: str, stop_time: float | None):
         self.name, self.stop_time = name, stop_time
         self.seconds = 0.0  # Wall time spent on steps and rollback
         self.fmu: Any = None
