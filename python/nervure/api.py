@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from functools import partial
 from numbers import Real as Number
 from pathlib import Path
@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.extras import require
-from nervure.files import undone_on_error
+from nervure.files import claimed, undone_on_error
 from nervure.scene import Scene, document, load, plain, read as read_scene, with_files
+from nervure.scene.facts import Facts
 from nervure.simulation import checkpoint, results, sweep as sweeps
 from nervure.simulation.loop import Observer, TimeLoop, interruptible
 from nervure.simulation.session import Session
@@ -177,6 +178,8 @@ def run(
     Raise `InputError` where an argument cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where
     it was interrupted; in the last two cases the results so far are written.
     """
+    from nervure.output.console import announce
+
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
     elif overrides := list(overrides):
@@ -194,14 +197,25 @@ def run(
         if value is not None and not (isinstance(value, Number) and math.isfinite(value) and value >= 0):
             raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
     options = {name: None if value is None else float(value) for name, value in given.items()}
-    with undone_on_error(folder or Path("results") / scene.name) as keep:
+    place = folder or Path("results") / scene.name
+    with claimed(place), undone_on_error(place) as keep:
+        if not quiet:
+            announce(Facts(scene))
         session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=options["series_every"])
         return _run(session, options, quiet, live, keep, on_step)
 
 
-def resume(folder: str | Path, *, quiet: bool = False, live: bool = False) -> Run:
-    """Continue the interrupted run in `folder` from its checkpoint; raise what `run` raises."""
-    return _run(*checkpoint.resume(Path(folder)), quiet, live, started=lambda: None)
+def resume(folder: str | Path, *, end_time: float | None = None, quiet: bool = False, live: bool = False) -> Run:
+    """Continue the run in `folder` from its checkpoint, to another end time (s) if it is given: so a run that is
+    finished goes on, if it was made with `checkpoint_every`. Raise what `run` raises."""
+    from nervure.output.console import announce
+
+    folder = Path(folder)
+    with claimed(folder) if folder.is_dir() else nullcontext():
+        session, options = checkpoint.resume(folder, None if end_time is None else float(end_time))
+        if not quiet:
+            announce(session.facts)
+        return _run(session, options, quiet, live, started=lambda: None)
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:

@@ -251,12 +251,20 @@ def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
 
 
 @app.command()
-def resume(folder: Folder, quiet: Quiet = False, live: Live = False) -> None:
+def resume(
+    folder: Folder,
+    end_time: Annotated[
+        float | None,
+        typer.Option(help="Another end time, s; a finished run goes on if it was made with --checkpoint-every."),
+    ] = None,
+    quiet: Quiet = False,
+    live: Live = False,
+) -> None:
     """Continue the run in a result folder from its checkpoint, with the scene, the units and the options of the run."""
     from nervure import api
 
     with _exit_code():
-        api.resume(folder, quiet=quiet, live=live)
+        api.resume(folder, end_time=end_time, quiet=quiet, live=live)
 
 
 @contextmanager

@@ -2,10 +2,16 @@
 
 import csv
 import math
+import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
+
+from nervure.errors import InputError
+
+LOCK = ".running"  # File in a folder that a run writes into
 
 
 def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
@@ -49,6 +55,56 @@ def undone_on_error(folder: Path) -> Iterator[Callable[[], None]]:
                 with suppress(OSError):  # Another program may use it
                     path.rmdir()
         raise
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """Make `folder` and keep other processes out of it; raise `InputError` where one of them is in it. The system
+    releases it at the end of the process, whatever ends it. Folders that are still empty then are removed."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = _locked(folder / LOCK)
+    except OSError as error:
+        raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
+    if lock is None:
+        raise InputError(f"another run is writing into {folder}: wait for its end, or give another --output")
+    try:
+        yield
+    finally:
+        if sys.platform == "win32":
+            lock.close()  # before, nothing removes it
+        with suppress(OSError):
+            (folder / LOCK).unlink()
+        lock.close()
+        for path in missing:
+            with suppress(OSError):  # It has content
+                path.rmdir()
+
+
+def _locked(path: Path) -> TextIO | None:
+    """Open and lock a file; return None where another process has locked it. A file system without locks keeps nobody
+    out."""
+    while True:
+        file = open(path, "a", encoding="utf-8")  # noqa: SIM115
+        try:
+            if sys.platform == "win32":
+                import msvcrt
+
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            else:
+                import fcntl
+
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (BlockingIOError, PermissionError):
+            file.close()
+            return None
+        except OSError:
+            return file
+        with suppress(FileNotFoundError):
+            if os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                return file
+        file.close()  # Its owner has just removed it
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from contextlib import redirect_stdout
@@ -13,7 +14,9 @@ import pytest
 
 import nervure
 from nervure import terminal
+from nervure.files import LOCK
 from nervure.output import console
+from nervure.resources import ROOT
 from nervure.scene import validate
 from tests.conftest import FLUID_ONLY, TOOL
 
@@ -100,3 +103,43 @@ def test_a_new_scene_that_the_disk_does_not_take_leaves_nothing(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 2 and "cannot write mine.json: File too large" in done.stderr, done.stderr
     assert not (tmp_path / "mine.json").exists()
+
+
+def test_two_runs_into_one_folder_at_once_are_one_and_a_refusal(rod_only, tmp_path):
+    """Also by `resume` and with `force`; what killed its owner leaves the folder free."""
+    folder, seen = tmp_path / "run", []
+
+    def run_another(*_: object) -> bool:
+        for another in (lambda: nervure.run(validate(rod_only), folder, force=True), lambda: nervure.resume(folder)):
+            with pytest.raises(nervure.InputError, match="another run is writing into") as refused:
+                another()
+            seen.append(refused.value)
+        return False
+
+    folder.mkdir()
+    (folder / LOCK).write_text("")
+    nervure.run(validate(rod_only).copy(time__end=2e-4), folder, quiet=True, on_step=run_another)
+    assert len(seen) == 6 and (folder / "summary.json").is_file() and not (folder / LOCK).exists()
+
+
+def test_a_time_outside_of_a_run_is_refused(tmp_path):
+    pytest.importorskip("h5py")
+    scene = validate(FLUID_ONLY).copy(time__end=2e-3)
+    run = nervure.run(scene, tmp_path / "run", fields_every=1e-3, quiet=True)
+    for time in (-1.0, 3e-3, float("nan")):
+        with pytest.raises(nervure.InputError, match="goes from 0 to 0.002 s, but the time is"):
+            run.plot_field("vorticity", time)
+    run.plot_field("vorticity", 2e-3)
+
+
+def test_what_the_master_moves_names_the_page_whose_example_runs(rod_only, tmp_path, monkeypatch):
+    rod_only["rod"]["root_motion"] = "master"
+    with pytest.raises(nervure.InputError, match="`drive` of a `Session` in Python .docs/guide/python.md.") as refused:
+        nervure.run(validate(rod_only), tmp_path / "run", quiet=True)
+    page = ROOT / re.findall(r"docs/\S+\.md", str(refused.value))[0]
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (example,) = (block for block in blocks if "drive=" in block)
+    monkeypatch.chdir(tmp_path)
+    exec(example, {"nervure": nervure})
+    found = nervure.read(tmp_path / "steered").series["tip_uy"][-1]
+    assert 0 < found < 1e-3, f"{found} m: the tip begins to follow a root that has risen by 5e-4 m"

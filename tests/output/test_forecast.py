@@ -177,3 +177,16 @@ def test_head_of_a_run_has_numbers_steps_and_warnings(libraries, tmp_path, monke
     assert {"cd_mean", "cl_amplitude", "ct", "cp", "st"} <= summary["bodies"]["cylinder_1"].keys()
     quiet = run_scene(*command, "--quiet")
     assert (quiet.stdout, quiet.stderr) == ("", "")
+
+
+def test_many_warnings_of_one_kind_are_one_with_their_number():
+    scene = read("cylinder-2d1-450x90")
+    radius, places = 1e-3, [(x / 10, y / 20) for x in range(3, 20) for y in range(1, 5)]
+    scene["fluid"]["cylinders"] = [{"center": list(place), "radius": radius} for place in places]
+    few = [text for text in forecast.warnings(Facts(validate(scene))) if "in the diameter" in text]
+    assert len(few) == 1 and few[0].endswith(f"(and {len(places) - 1} more like it)"), few
+
+
+def test_a_run_of_many_segments_says_first_that_it_takes_a_while():
+    found = list(forecast.warnings(Facts(validate(read("csm1", ["beam.segments=60000"])))))
+    assert any("60000 segments take about 20 s to pack and to load" in text for text in found), found

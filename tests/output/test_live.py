@@ -82,6 +82,10 @@ def test_a_page_shows_a_run_and_stops_it(two_rods, tmp_path, pages):
     for token, host in (("", None), ("x" * 32, None), (None, "evil.example"), (None, "evil.example:80")):
         for path, method in (("/", "GET"), ("/state", "GET"), ("/stop", "POST")):
             assert run.ask(path, method, token=token, host=host) == (403, "Forbidden")
+    for address in ("//[", "http://[x", "/%00?token=%ff", "/?" + "&" * 9):
+        with socket.create_connection((run.url.hostname, run.url.port)) as stranger:
+            stranger.sendall(f"GET {address} HTTP/1.1\r\nHost: {run.url.netloc}\r\n\r\n".encode())
+            assert stranger.recv(100).startswith((b"HTTP/1.1 400", b"HTTP/1.1 403")), address
     assert run.ask("/passwd")[0] == run.ask("/run", "POST")[0] == 404
     status, page = run.ask("/")
     assert status == 200 and "<!doctype html>" in page and "http" not in page, "the page needs nothing from elsewhere"

@@ -58,7 +58,7 @@ def check_drive(unit: Unit, drive: Drive | None) -> None:
         part, key = ("the root", "rod.root_motion") if root else ("a body", "fluid.bodies[k].motion")
         raise CouplingError(
             f"the scene leaves {part} to the master ({key}), but nothing drives it: give laws of "
-            "time, or couple the units from Python with a drive"
+            "time, or a function as `drive` of a `Session` in Python (docs/guide/python.md)"
         )
 
 

@@ -31,6 +31,7 @@ from nervure.scene.facts import Facts
 from nervure.simulation import results
 from nervure.simulation.results import FLUID_FIELDS, WING_FIELDS
 
+ROUNDING = 1e-9  # Relative, of a time
 PERIODS = 2  # Whole periods in the animation, unless times are given
 PHASES = 4
 FILM = 60  # Largest number of frames in motion.gif
@@ -218,7 +219,8 @@ def _vortices(frames: Frames, chosen: list[int]) -> list[Path]:
 
 
 def plot_field(folder: Path, name: str, time: float | None) -> Figure:
-    """Draw one of `FIELDS` at the frame nearest to `time` (s), by default the last."""
+    """Draw one of `FIELDS` at the frame nearest to `time` (s), by default the last; raise `InputError` for a time
+    outside of the run."""
     if name not in FIELDS:
         raise InputError(f"there is no field {name}: {hint(name, FIELDS)}")
     frames = Frames(folder)
@@ -226,6 +228,9 @@ def plot_field(folder: Path, name: str, time: float | None) -> Figure:
         raise InputError(f"{folder} holds no fields of a fluid")
     if name == "w" and not (frames.scene.fluid and frames.scene.fluid.box.z):
         raise InputError("there is no field w: the fluid has two dimensions")
+    reached = max(frames.times[-1], results.read(folder).summary.simulated_s)
+    if time is not None and not -ROUNDING <= time <= reached + ROUNDING * reached:
+        raise InputError(f"the run in {folder} goes from 0 to {reached:g} s, but the time is {time:g} s")
     frame = len(frames.times) - 1 if time is None else int(np.argmin(np.abs(frames.times - time)))
     field, solids = frames.field(name, frame), frames.solids(frame)
     percentile = flow.PERCENTILE if name == "vorticity" else 100.0

@@ -1,7 +1,7 @@
 """The terminal or notebook of a run: forecast, progress, table and the last messages."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 from rich.progress import BarColumn, Progress, TextColumn
 
 from nervure.output import displayed_unit, forecast, tables
+from nervure.scene.facts import Facts
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
@@ -59,15 +60,24 @@ def warn(message: str) -> None:
     text_console(stderr=True).print(f"warning: {message}", markup=False, soft_wrap=True)
 
 
+def announce(facts: Facts) -> None:
+    """Print what is known of a run before its units are made: numbers, steps and warnings."""
+    _print_rows(text_console(), forecast.scene_rows(facts))
+    for text in forecast.warnings(facts):
+        warn(text)
+
+
+def _print_rows(console: Console, rows: Iterable[tuple[str, str]]) -> None:
+    for name, value in rows:
+        console.print(f"{name}: {value}", markup=False, soft_wrap=True)
+
+
 class Terminal(Observer):
-    """Prints the forecast of a session before and soon after its start, its progress, and its summary."""
+    """Prints the scheme and, soon after the start, the forecast of a session, its progress, and its summary."""
 
     def __init__(self, session: Session):
         self.console, self.session, self.line = text_console(), session, NotebookDisplay()
-        for name, value in forecast.rows(session):
-            self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
-        for text in forecast.warnings(session.facts):
-            warn(text)
+        _print_rows(self.console, forecast.scheme_rows(session))
         self.warned = len(session.warnings)
         self.pace: forecast.Pace | None = forecast.Pace(session)
         self.columns = shown_columns(session)

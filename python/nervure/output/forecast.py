@@ -11,6 +11,7 @@ from pathlib import Path
 
 from nervure.scene.facts import Body, Facts
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
+from nervure.simulation.places import counted
 from nervure.simulation.session import Session
 
 WARM_UP = 2  # Steps before the timing: the first has no history, the second no cached code
@@ -24,13 +25,8 @@ LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinde
 REYNOLDS = (20.0, 200.0)  # Range with published values
 DENSITY_RATIO = (0.01, 1000.0)  # Range of the map of the coupling
 SOFTNESS = 1e-3  # Largest C_eta U / L
+SEGMENTS_PER_S, LONG_S = 3000, 5.0  # Segments whose FMU is packed and read in a second, and time to mention, s
 SEGMENT = 0.25  # Least length of a segment, in thicknesses
-
-
-def rows(session: Session) -> Iterator[tuple[str, str]]:
-    """Yield flow, beam, resolution, steps, load and scheme of a session, by name."""
-    yield from scene_rows(session.facts)
-    yield from scheme_rows(session)
 
 
 def scheme_rows(session: Session) -> Iterator[tuple[str, str]]:
@@ -87,8 +83,15 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
 
 def warnings(facts: Facts) -> Iterator[str]:
     """Yield what may be a mistake in a scene, where it is outside of the tested ranges of the method, or slower than it
-    has to be."""
+    has to be; of many warnings of one kind one with their number."""
+    yield from counted(_warnings(facts))
+
+
+def _warnings(facts: Facts) -> Iterator[str]:
     yield from facts.warnings
+    for own in facts.beams:
+        if (seconds := own.beam.segments / SEGMENTS_PER_S) > LONG_S:
+            yield f"{own.beam.segments} segments take about {seconds:.0f} s to pack and to load, before the first step"
     scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return

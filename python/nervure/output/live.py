@@ -262,10 +262,14 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND)
 
     def _request(self) -> tuple[str, dict[str, list[str]] | None]:
-        """Return path and query; None, with a refusal, without the token, or under another name: a foreign site may
-        let its name point to this machine."""
-        url = urlsplit(self.path)
-        query = parse_qs(url.query)
+        """Return path and query; None, with a refusal, for no address, without the token, or under another name: a
+        foreign site may let its name point to this machine."""
+        try:
+            url = urlsplit(self.path)
+            query = parse_qs(url.query)
+        except ValueError:
+            self._refuse(HTTPStatus.BAD_REQUEST)
+            return self.path, None
         token = query.get("token", [""])[0].encode()
         if self.headers["Host"] in self.page.hosts and secrets.compare_digest(token, self.page.token.encode()):
             return url.path, query

@@ -1,6 +1,7 @@
 """Warnings of a run about the places of bodies, rods and the wing; the rules stand in `crates/scene` (`monitor.rs`)."""
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from nervure.scene.facts import Facts
 from nervure.scene.outline import POSE
 from nervure.units.fmu import Unit
 
+NUMBER = re.compile(r"-?\d[\d.]*(e[-+]?\d+)?")
+MOST_ALIKE = 3  # Warnings of one kind that are all shown
 Reader = Callable[[], np.ndarray]
 
 
@@ -41,7 +44,19 @@ class Places:
         }
         answer = library.monitor(places, self.scene)
         self.memory = answer["memory"]
-        yield from answer["warnings"]
+        yield from counted(answer["warnings"])
+
+
+def counted(warnings: Iterable[str]) -> Iterator[str]:
+    """Yield warnings; of more than `MOST_ALIKE` that differ in numbers alone the first, with the number of the rest."""
+    kinds: dict[str, list[str]] = {}
+    for sentence in warnings:
+        kinds.setdefault(NUMBER.sub("", sentence), []).append(sentence)
+    for alike in kinds.values():
+        if len(alike) > MOST_ALIKE:
+            yield f"{alike[0]} (and {len(alike) - 1} more like it)"
+        else:
+            yield from alike
 
 
 def _reader(unit: Unit | None, names: list[str]) -> Reader | None:

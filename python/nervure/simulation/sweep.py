@@ -28,7 +28,7 @@ from typing import Any
 
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
-from nervure.files import json_numbers, undone_on_error, write_csv, write_whole
+from nervure.files import claimed, json_numbers, undone_on_error, write_csv, write_whole
 from nervure.library import check, kind_of, library
 from nervure.scene import Document, Scene, document, files_of, json_or_text, text, validate
 from nervure.simulation import results
@@ -265,7 +265,7 @@ def run(
         say(f"{case.folder}: {row['status']} {told}")
 
     try:
-        with undone_on_error(folder) as started:
+        with claimed(folder), undone_on_error(folder) as started:
             _collect(folder, rows)
             if todo:
                 _distribute(todo, folder, scheduler, workers, reached, keep)
