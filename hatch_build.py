@@ -22,6 +22,7 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 SHIPPED = ["scenes", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE"]
 SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "wing", "fluid") for name in ("model.png", "documentation.html")]
 
+SHOWN = (".py", ".json", ".stl")  # Files of examples and scripts
 
 TAGS = {
     "x86_64-unknown-linux-gnu": "manylinux_{}_{}_x86_64",
@@ -48,8 +49,8 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
         if version == "editable":
             return
         files = {Path(self.root, name): name for name in SHIPPED}
-        scripts = [path for name in ("examples", "scripts") for path in Path(self.root, name).rglob("*.py")]
-        files |= {path: path.relative_to(self.root).as_posix() for path in scripts}
+        shown = [path for name in ("examples", "scripts") for path in Path(self.root, name).rglob("*.*")]
+        files |= {path: path.relative_to(self.root).as_posix() for path in shown if path.suffix in SHOWN}
         if folder := os.environ.get("NERVURE_LIBRARIES"):
             libraries, platform = _delivered(Path(folder), Path(self.root, "target", "wheel"))
         else:
