@@ -361,9 +361,11 @@ def run_cases(
 
 def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Variation:
     """Return the values of each key; raise `InputError` where a tuple of keys has values of another length."""
-    if isinstance(keys, str):
-        return {keys: plain(list(values))}
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise InputError(f"the values of {keys} are {values!r}, but must be a list")
     rows = plain(list(values))
+    if isinstance(keys, str):
+        return {keys: rows}
     for one in rows:
         if not isinstance(one, list) or len(one) != len(keys):
             raise InputError(f"the values of {', '.join(keys)} must be tuples of {len(keys)}, but one is {one!r}")

@@ -139,9 +139,7 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
         if len({len(values) for values in axis.values()}) > 1:
             counts = ", ".join(f"{key} has {len(values)}" for key, values in axis.items())
             raise SceneError(f"keys that change together need equally many values: {counts}")
-    library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
-    cases: dict[str, Case] = {}
-    folders: set[str] = set()
+    made: list[tuple[Document, dict[str, Any]]] = []
     bases = list(scenes)
     for base in bases:
         for combination in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
@@ -150,16 +148,21 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
                 dict(zip(keys, itertools.chain(*combination), strict=True)),
             )
             files_of(base).change(scene, varied)
-            digest = hashlib.sha256(text(scene).encode())
-            for kind in dict.fromkeys(map(kind_of, unit_names(scene))):
-                digest.update(library_digest(kind))
-            if digest.hexdigest() not in cases:
-                name = _folder_name(scene, varied, len(bases) > 1, folders)
-                folders.add(name)
-                cases[digest.hexdigest()] = Case(scene, varied, digest.hexdigest(), name)
-    found = [fault for case in cases.values() for fault in check(text(case.scene)) if fault.kind == "unknown"]
+            made.append((scene, varied))
+    found = [fault for scene, _ in made for fault in check(text(scene)) if fault.kind == "unknown"]
     if found:  # Other faults are results of the sweep; a key that no scene has is a slip
         raise SceneError("\n".join(dict.fromkeys(fault.text for fault in found)), found)
+    library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
+    cases: dict[str, Case] = {}
+    folders: set[str] = set()
+    for scene, varied in made:
+        digest = hashlib.sha256(text(scene).encode())
+        for kind in dict.fromkeys(map(kind_of, unit_names(scene))):
+            digest.update(library_digest(kind))
+        if digest.hexdigest() not in cases:
+            name = _folder_name(scene, varied, len(bases) > 1, folders)
+            folders.add(name)
+            cases[digest.hexdigest()] = Case(scene, varied, digest.hexdigest(), name)
     return list(cases.values())
 
 
