@@ -152,23 +152,23 @@ def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
     low, high = scene.fluid.channel.y
     near = (from_cylinder < 1.9 * cell) | (y < low + 1.9 * cell) | (y > high - 1.9 * cell)
     field = np.where(near, 1000.0, 1.0)
-    assert flow.colour_limit(scene, [(field, flow.outlines(scene, [], []))]) == 1.0
-    assert flow.colour_limit(scene, [(field, [])]) == 1000.0
+    assert flow.View(scene).colour_limit([(field, flow.View(scene).outlines([], []))]) == 1.0
+    assert flow.View(scene).colour_limit([(field, [])]) == 1000.0
 
 
 def test_a_solid_covers_the_field_inside_it(small_fsi3):
     scene = validate(small_fsi3)
     assert scene.fluid
-    figure, axes = flow.panels(scene, plots.WIDTH)
+    figure, axes = flow.View(scene).panels(plots.WIDTH)
     figure.set_dpi(50)
-    picture = flow.Picture(axes[0, 0], scene, 1.0)
-    picture.show(np.ones(scene.fluid.box.cells), flow.outlines(scene, [], []))
+    picture = flow.Picture(axes[0, 0], flow.View(scene), 1.0)
+    picture.show(np.ones(scene.fluid.box.cells), flow.View(scene).outlines([], []))
     (patch,) = picture.patches
     (cylinder,) = scene.fluid.cylinders
     ends, diameter = patch.get_path().get_extents(), 2e3 * cylinder.radius
     assert (ends.width, ends.height) == pytest.approx((diameter, diameter), rel=1e-3)
     assert patch.get_facecolor() == to_rgba(flow.SOLID) and patch.get_edgecolor() == to_rgba(flow.EDGE)
-    left, right, bottom, top = flow.view(scene.fluid)
+    left, right, bottom, top = flow.View(scene).extent
     box = axes[0, 0].get_window_extent()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom)), "true proportions"
 

@@ -3,10 +3,12 @@
 import re
 from textwrap import shorten
 
-from nervure.scene.types import Display, Scene
+from nervure.scene import Scene, beams
+from nervure.scene.types import Display
 
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 LONGEST_IN_MM = 10.0  # Longest length that a picture shows in mm, m
+LARGE = 1.0  # Size of a scene from which its pictures have no mm, m
 TIP = re.compile(r"(?:(.+)_)?tip_u([xyz])")  # Columns of the motion of a tip; several rods have names
 CLAUSE = re.compile(r"[,;]|\.(?:\s|$)")  # End of the first clause of a description
 
@@ -26,8 +28,23 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
 
 
 def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
-    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it."""
-    return ("m", 1.0) if scene.display is None and longest > LONGEST_IN_MM else displayed_unit("m", scene.display)
+    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it: metres where
+    the box across its shortest side, without a fluid the longest rod, is as large as `LARGE`."""
+    if scene.display is None and (longest > LONGEST_IN_MM or _size(scene, longest) >= LARGE):
+        return "m", 1.0
+    return displayed_unit("m", scene.display)
+
+
+def _size(scene: Scene, longest: float) -> float:
+    if scene.fluid:
+        box = scene.fluid.box
+        return min(high - low for low, high in filter(None, (box.x, box.y, box.z)))
+    return max((own.beam.length for own in beams(scene)), default=longest)
+
+
+def unit_in(scene: Scene, unit: str | None, longest: float) -> tuple[str, float]:
+    """Return the unit in which a picture of values up to `longest` shows values in `unit`, and the factor to it."""
+    return lengths_in(scene, longest) if unit == "m" else displayed_unit(unit, scene.display)
 
 
 def axis_label(name: str, unit: str) -> str:

@@ -17,8 +17,8 @@ from nervure.evaluate import coefficients, flapping, statistics
 from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title
-from nervure.output.fields import outline, station_positions
+from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title, unit_in
+from nervure.output.fields import station_positions, wing_nodes
 from nervure.scene import Scene
 from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
@@ -77,7 +77,7 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
     for number, column in enumerate(columns):
         having = {label: run for label, run in runs.items() if column in run.series}
         known = next(iter(having.values()))
-        named, scale = _read_in(known.scene, known.units[column], known.series[column])
+        named, scale = unit_in(known.scene, known.units[column], float(np.abs(known.series[column]).max()))
         ranges, extremes = [], []
         for label, run in having.items():
             values = run.series[column] * scale
@@ -112,11 +112,6 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
         axes[0, 1].set_xlim(closer.begin, closer.end)
         axes[0, 1].locator_params(axis="x", nbins=4)
     return figure
-
-
-def _read_in(scene: Scene, unit: str | None, values: np.ndarray) -> tuple[str, float]:
-    """Return the unit in which a picture shows `values` in `unit`, and the factor to it."""
-    return lengths_in(scene, float(np.abs(values).max())) if unit == "m" else displayed_unit(unit, scene.display)
 
 
 def _filtered(run: Results, column: str) -> np.ndarray:
@@ -299,33 +294,40 @@ class Pictures(Observer):
 
 def vorticity(session: Session) -> Figure | None:
     """Draw the fluid as it is now, with still cylinders, and with bodies and beams in their places; None if the fluid
-    shows no field. In space it is the vorticity about z in the middle of the box."""
+    shows no field. In space it is the vorticity in a slice, about the axis across it."""
     scene, units = session.scene, session.units
-    field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
-    if field is None or scene.fluid is None:
+    if scene.fluid is None or "fluid" not in units:
         return None
-    if field.ndim == 3:  # the slice in the middle of the box along z
-        field = field[:, :, field.shape[2] // 2]
-    flat = [] if scene.fluid.box.z else session.facts.beams
-    corners = [outline(station_positions(units, own), session.facts.thickness[own.force]) for own in flat]
+    view = flow.View(scene)
+    field = units["fluid"].shown_field(view.component)
+    if field is None:
+        return None
+    beams = [
+        outline
+        for own in session.facts.beams
+        for outline in view.beam(station_positions(units, own), session.facts.thickness[own.force])
+    ]
     poses = [
         [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.pose(scene)]
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
-    solids = flow.outlines(scene, corners, poses)
-    limit = flow.colour_limit(scene, [(field, solids)])
-    figure, axes = flow.panels(scene, WIDTH)
+    mesh = session.facts.wing
+    shown = view.cut(field), view.outlines(beams, poses, (wing_nodes(units["wing"]), mesh.triangles) if mesh else None)
+    figure, axes = view.panels(WIDTH)
     figure.set_dpi(DPI)
-    picture = flow.Picture(axes[0, 0], scene, limit)
-    picture.show(field, solids)
-    picture.say(session.time, scene)
-    flow.colour_bar(figure, axes, picture.image, scene)
+    picture = flow.Picture(axes[0, 0], view, view.colour_limit([shown]))
+    picture.show(*shown)
+    picture.say(session.time)
+    flow.colour_bar(figure, axes, picture.image, view)
     return figure
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a picture as PNG; return `path`."""
+    """Write a picture in the format that the suffix of `path` names, `FORMATS`; return `path`."""
     figure.set_dpi(DPI)
+    if path.suffix != ".png":
+        write_whole(path, lambda unfinished: figure.savefig(unfinished, format=path.suffix[1:]))
+        return path
     canvas = FigureCanvasAgg(figure)  # `savefig` would draw it twice
     write_whole(path, lambda unfinished: canvas.print_png(unfinished, pil_kwargs=PNG))
     return path
