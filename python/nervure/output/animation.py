@@ -28,7 +28,7 @@ from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
 from nervure.output.wings import WingPicture
 from nervure.scene import beams, validate
-from nervure.scene.facts import Facts
+from nervure.scene.facts import Facts, WingMesh
 from nervure.simulation import results
 from nervure.simulation.results import FLUID_FIELDS, WING_FIELDS
 
@@ -346,18 +346,18 @@ def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
     assert scene.wing is not None and mesh is not None, "the file is of a wing"
     count = len(mesh.nodes)
     shapes = np.array(frames.wing["VTKHDF/Points"][: len(frames.times) * count]).reshape(-1, count, 3)[chosen]
-    tip = int(np.argmax(np.linalg.norm(mesh.nodes - scene.wing.pivot, axis=1)))
-    still = WingPicture(scene, mesh, shapes, plots.WIDTH)
+    path = _path_of_tip(frames, mesh, chosen)
+    still = WingPicture(scene, mesh, shapes, path, plots.WIDTH)
     for number in np.unique(np.linspace(0, len(chosen) - 1, WINGS).round().astype(int))[:-1]:
         still.add(shapes[number])
-    still.draw_path(shapes[:, tip])
+    still.draw_path(path)
     still.show(shapes[-1])
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
     still.said.set_text(f"t = {first} to {last} {still.clock}")
     plots.save(still.figure, folder / "motion.png")
 
-    picture = WingPicture(scene, mesh, shapes, WIDTH)
-    picture.draw_path(shapes[:, tip])
+    picture = WingPicture(scene, mesh, shapes, path, WIDTH)
+    picture.draw_path(path)
     picture.figure.set_dpi(DPI)
     canvas, pictures = FigureCanvasAgg(picture.figure), []
     for place in range(0, len(chosen), -(-len(chosen) // FILM)):
@@ -366,6 +366,26 @@ def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return [folder / "motion.png", *_films(folder / "motion", pictures)]
+
+
+def _path_of_tip(frames: Frames, mesh: WingMesh, chosen: list[int]) -> np.ndarray:
+    """Return the path of the tip of a wing over the times of the frames `chosen`, m, `[times, 3]`: from the series, or
+    else from the frames."""
+    assert frames.scene.wing is not None, "the mesh is of a wing"
+    away, count = np.linalg.norm(mesh.nodes - frames.scene.wing.pivot, axis=1), len(mesh.nodes)
+    tip = int(np.flatnonzero(away > (1 - 1e-12) * away.max())[-1])  # The last of equals, as the unit takes it
+    points = np.array(frames.wing["VTKHDF/Points"][tip::count])[chosen]
+    try:
+        series = results.read(frames.folder).series
+    except InputError:
+        return points
+    begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
+    rows = (series["time"] >= begin * (1 - 1e-9)) & (series["time"] <= end * (1 + 1e-9))
+    if not all(f"tip_u{axis}" in series for axis in "xyz") or rows.sum() < len(chosen):
+        return points
+    moved = np.transpose([series[f"tip_u{axis}"][rows] for axis in "xyz"])
+    found: np.ndarray = points[0] + moved - moved[0]
+    return found
 
 
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
