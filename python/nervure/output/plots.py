@@ -37,13 +37,14 @@ FILTER_PERIODS = 1 / 25
 RAW, LIGHT = 0.6, 0.35  # Width and opacity of an unfiltered force
 WIDTH, DPI = 9.0, 150  # Width of a picture, in, and points an inch
 Ranges = Sequence[tuple[float, float]]  # Smallest and largest values of curves
+FORMATS = ("png", "svg", "pdf")
 PNG = {"compress_level": 3}  # Files a sixth larger, and a tenth less time for the start of a run, than by default
 
 
-def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
-    """Write tip.png, drag.png and lift.png, for the outputs that the runs have, with the published bands of the first
-    run's scene; of a single run coefficients.png and flapping.png too. Several runs are labelled by the names of their
-    folders, or by their paths where names are equal. Return the paths written."""
+def write(folder: Path, runs: Sequence[Results], form: str = "png") -> list[Path]:
+    """Write tip.png, drag.png and lift.png, or the same in another of `FORMATS`, for the outputs that the runs have,
+    with the published bands of the first run's scene; of a single run coefficients.png and flapping.png too. Several
+    runs are labelled by the names of their folders, or by their paths where names are equal. Return what is written."""
     first, *others = runs
     tips = [column for run in runs for own in run.facts.beams for column in (own.prefix + name for name in TIP)]
     tips += [name for run in runs if run.scene.wing for name in TIP]
@@ -53,8 +54,8 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
-    return written if others else [*written, *cylinder(folder, first), *driven_roots(folder, first)]
+            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.{form}"))
+    return written if others else [*written, *cylinder(folder, first, form), *driven_roots(folder, first, form)]
 
 
 def unit(name: str, scene: Scene) -> str:
@@ -163,7 +164,7 @@ def _set_range(axis: Axes, ranges: Ranges, extremes: Ranges, named: str, margin:
         axis.set_title(beyond, loc="right", fontsize="small", color="0.4", pad=3)
 
 
-def cylinder(folder: Path, run: Results) -> list[Path]:
+def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
     """Write coefficients.png of a cylinder alone: cD and cL over time and, in a periodic flow, against each other, with
     published values. Return the paths written."""
     scale = coefficients.scale(run.facts)
@@ -204,12 +205,12 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
         source = run.scene.reference.source if run.scene.reference else ""
         keys.append(Line2D([], [], color="0.4", linestyle="--", linewidth=0.8, label=source))
     figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize="small")
-    return [save(figure, folder / "coefficients.png")]
+    return [save(figure, folder / f"coefficients.{form}")]
 
 
-def driven_roots(folder: Path, run: Results) -> list[Path]:
+def driven_roots(folder: Path, run: Results, form: str) -> list[Path]:
     """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
-    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.facts.beams}
+    of = {own.unit: (own, f"flapping-{own.unit}.{form}") for own in run.facts.beams}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
     alone = {"rod": run.summary.flapping}
     pictures = []
@@ -217,7 +218,7 @@ def driven_roots(folder: Path, run: Results) -> list[Path]:
         if found is not None:
             own, file = of[name]
             picture = driven_root(run, found, rod_columns(run.series, own))
-            pictures.append(save(picture, folder / (file if several else "flapping.png")))
+            pictures.append(save(picture, folder / (file if several else f"flapping.{form}")))
     return pictures
 
 
