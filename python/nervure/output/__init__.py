@@ -3,12 +3,15 @@
 import re
 from textwrap import shorten
 
+import numpy as np
+
 from nervure.scene import Scene, beams
+from nervure.scene.facts import Facts
 from nervure.scene.types import Display
 
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 LONGEST_IN_MM = 10.0  # Longest length that a picture shows in mm, m
-LARGE = 1.0  # Size of a scene from which its pictures have no mm, m
+LARGE = 1.0  # Size of a scene in numbers of order 1, whose pictures have no mm, m
 TIP = re.compile(r"(?:(.+)_)?tip_u([xyz])")  # Columns of the motion of a tip; several rods have names
 CLAUSE = re.compile(r"[,;]|\.(?:\s|$)")  # End of the first clause of a description
 
@@ -28,18 +31,21 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
 
 
 def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
-    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it: metres where
-    the box across its shortest side, without a fluid the longest rod, is as large as `LARGE`."""
-    if scene.display is None and (longest > LONGEST_IN_MM or _size(scene, longest) >= LARGE):
+    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it: metres also
+    where the scene is `LARGE`."""
+    if scene.display is None and (longest > LONGEST_IN_MM or _size(scene) >= LARGE):
         return "m", 1.0
     return displayed_unit("m", scene.display)
 
 
-def _size(scene: Scene, longest: float) -> float:
+def _size(scene: Scene) -> float:
+    """Return the shortest side of the box, without a fluid the length of the longest rod or of the wing, m."""
     if scene.fluid:
         box = scene.fluid.box
         return min(high - low for low, high in filter(None, (box.x, box.y, box.z)))
-    return max((own.beam.length for own in beams(scene)), default=longest)
+    mesh = Facts(scene).wing if scene.wing else None
+    wing = [float(np.ptp(mesh.nodes, axis=0).max())] if mesh else []
+    return max([*wing, *(own.beam.length for own in beams(scene))], default=0.0)
 
 
 def unit_in(scene: Scene, unit: str | None, longest: float) -> tuple[str, float]:

@@ -61,7 +61,9 @@ class Live(Observer):
         self.fields = [name for name, (first, *_) in FIELDS.items() if fluid and fluid.shown_field(first) is not None]
         scene = session.scene
         self.view = flow.View(scene) if scene.fluid else None
-        self.unit, self.scale = lengths_in(scene, max((own.beam.length for own in session.facts.beams), default=1.0))
+        self.unit, self.scale = lengths_in(scene, 0.0)
+        columns = session.recorder.units.items()
+        self.shown = {name: unit_in(scene, unit, 0.0) for name, unit in columns if name != "time"}
         live = self
 
         class Handler(_Handler):
@@ -173,7 +175,7 @@ class Live(Observer):
                 self._news.wait_for(lambda: self._wanted is None or bool(self.ended), PATIENCE)
             frame, message, ended = self._frames.get(field), self.message, self.ended
         table = recorder.table[: recorder.rows]
-        shown = {name: unit_in(session.scene, unit, 0.0) for name, unit in recorder.units.items() if name != "time"}
+        shown = self.shown
         curves = {}
         for name in filter(shown.__contains__, columns):
             values = table[:, recorder.columns.index(name)] * shown[name][1]
