@@ -330,8 +330,8 @@ report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run
 	$(MAKE) ARGS= report-pictures
 
 report-pictures: build $(READY_DEV) ## animate the vorticity of FSI3 over a period, in docs/pictures/fsi3.gif
-	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
-	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
+	$(NERVURE) run fsi3-650x144 --output results/report-pictures --fields-every 0.005 --quiet
+	$(NERVURE) animate results/report-pictures --begin 7.7222 --end 7.9044
 	$(RUN) site/small_gif.py results/report-pictures docs/pictures/fsi3.gif
 
 $(PEERS_VENV)/.ready: requirements/peers.lock
