@@ -33,6 +33,7 @@ PLACE, EDGE = (0.82, 0.84), 0.02  # Room for the part, of width and height, and 
 VEIL = 0.6  # Opacity of vortices, which wrap the bodies
 ROOM, REACH = 0.25, 2.5  # Least and largest room around the solids in the picture, by their size
 ENDS = (1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 6.0, 8.0, 10.0)  # Of the scale of speed, whose quarters have few digits
+FAST = 98.0  # Part of the vortices inside the scale of speed, in percent
 COLOURS = "viridis"
 FONT = 14
 
@@ -105,7 +106,8 @@ class Space:
         self.strength = float(np.max(levels)) if look.q is None else look.q
         seen = [(q > self.strength) & away for q, away in zip(strengths, free, strict=True)]
         speeds = [np.linalg.norm(flow.velocity[part], axis=-1) for flow, part in zip(flows, seen, strict=True)]
-        self.speed = round_up(float(np.max(np.concatenate(speeds), initial=0.0)))
+        known = np.concatenate(speeds)
+        self.speed = round_up(float(np.percentile(known, FAST)) if known.size else 0.0)
         part = cropped(self.fluid, crop) if crop else self._around(flows, seen)
         walls = [getattr(self.fluid.channel, axis, None) or (-np.inf, np.inf) for axis in "xyz"]
         self.part = [(max(a, low), min(b, high)) for (a, b), (low, high) in zip(part, walls, strict=True)]
@@ -213,6 +215,7 @@ class Space:
         up = (0, 1, 0) if abs(direction[1]) < 0.95 * np.linalg.norm(direction) else (0, 0, -1)
         plotter.view_vector(direction, viewup=up)
         self._fit(plotter.camera)
+        plotter.reset_camera_clipping_range()
         shown: np.ndarray = plotter.screenshot(return_img=True)
         plotter.close()
         return shown
@@ -250,7 +253,8 @@ class Space:
             corners = [(place, y[0], z[0]), (place, y[1], z[0]), (place, y[1], z[1]), (place, y[0], z[1])]
             plotter.add_mesh(self.pyvista.PolyData(corners, faces=[4, 0, 1, 2, 3]), color="gray", opacity=0.15)
             plotter.add_point_labels(
-                [(place, y[0], z[1])], ["sponge"], text_color=ink, font_size=FONT, shape=None, show_points=False
+                [(place, y[0], z[1])], ["sponge"], text_color=ink, font_size=FONT, bold=False, shape=None,
+                show_points=False,
             )  # fmt: skip
 
     def _solid(self, body: Body, pose: Sequence[float]) -> Any:
