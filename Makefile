@@ -260,6 +260,7 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
 
 gallery-space: build $(READY_DEV) ## make the pictures of wing and plate in docs/pictures; needs pyvista
+	$(NERVURE) build wing-hover-64x64x84 --output results/space/units
 	$(NERVURE) run wing-hover-64x64x84 --fields-every 0.25 --output results/space/wing --force --quiet
 	$(NERVURE) animate results/space/wing --begin 10 --end 20
 	cp results/space/wing/motion.gif docs/pictures/wing-hover.gif

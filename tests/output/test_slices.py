@@ -4,10 +4,11 @@ import copy
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import nervure
 from nervure.errors import InputError
-from nervure.output import animation, flow, space
+from nervure.output import animation, flow, plots, space
 from nervure.scene import validate
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -142,6 +143,14 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(run, wrong, 
     with pytest.raises(InputError, match=told):
         run.animate(**wrong)
     assert not (run.folder / "phases.png").exists()
+
+
+def test_phases_say_where_the_slice_lies(run, monkeypatch):
+    found: dict[str, Figure] = {}
+    monkeypatch.setattr(plots, "save", lambda figure, path: found.setdefault(path.name, figure))
+    frames = animation.Frames(run.folder, animation.Part("y", 0.25))
+    animation.phases(frames, [0, 0, 1, 1], 1.0, run.folder / "phases.png")
+    assert found["phases.png"].get_suptitle() == "still, y = 0.25 m"
 
 
 def test_vortices_are_those_outside_of_solids_in_a_part_around_them(run):

@@ -306,7 +306,8 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
         picture.show(frames.vorticity(frame), frames.solids(frame))
         axis.set_title(frames.title(frame), loc="right", fontsize="small")
     layout.label_outer(axes)
-    figure.suptitle(title(frames.scene, plots.WIDTH), fontsize="medium")
+    words = title(frames.scene, plots.WIDTH - 0.1 * len(frames.view.place))
+    figure.suptitle(", ".join(filter(None, (words, frames.view.place))), fontsize="medium")
     flow.colour_bar(figure, axes, picture.image, frames.view)
     plots.save(figure, path)
 

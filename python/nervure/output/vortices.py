@@ -31,7 +31,7 @@ MASKED = 1.5  # Thickness of the layer at solids in which the mask makes the flo
 CAMERA = (0.45, 0.4, 1.0)  # Direction from the middle of the part that is shown to the eye; y is up
 PLACE, EDGE = (0.82, 0.84), 0.02  # Room for the part, of width and height, and free on the left
 VEIL = 0.6  # Opacity of vortices, which wrap the bodies
-ROOM, REACH = 0.25, 2.5  # Least and largest room around the solids in the picture, by their size
+ROOM, REACH = 0.2, 2.5  # Least and largest room around the solids in the picture, by the size of the largest
 ENDS = (1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 6.0, 8.0, 10.0)  # Of the scale of speed, whose quarters have few digits
 FAST = 98.0  # Part of the vortices inside the scale of speed, in percent
 COLOURS = "viridis"
@@ -119,7 +119,7 @@ class Space:
             return self.ends
         points = np.concatenate(solids)
         low, high = points.min(axis=0), points.max(axis=0)
-        size = float((high - low).max())
+        size = max(float(np.ptp(one, axis=0).max()) for one in solids)
         part = []
         for axis, places in enumerate(self.axes):
             across = tuple(other for other in range(3) if other != axis)
