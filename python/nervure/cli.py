@@ -37,12 +37,12 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
-def _numbers(text: str) -> list[float]:
-    """Return an option as numbers."""
+def _numbers(option: str, text: str | None) -> list[float] | None:
+    """Return the numbers of an option."""
     try:
-        return [float(part) for part in text.split(",")]
+        return None if text is None else [float(part) for part in text.split(",")]
     except ValueError:
-        raise typer.BadParameter(f"{text} is not a list of numbers, as 0,1.5,-2") from None
+        raise InputError(f"{option} is {text}, but must be numbers, as 0,1.5,-2") from None
 
 
 def _complete_scene(incomplete: str) -> list[tuple[str, str]]:
@@ -363,20 +363,17 @@ def animate(
     ] = None,
     at: Annotated[float | None, typer.Option(metavar="PLACE", help="Place of the slice along this axis, m.")] = None,
     crop: Annotated[
-        list[float] | None,
-        typer.Option(metavar="X0,X1,Y0,…", parser=_numbers, help="Ends of the part that is shown, m."),
+        str | None, typer.Option(metavar="X0,X1,Y0,…", help="Ends of the part that is shown, along each axis, m.")
     ] = None,
     q: Annotated[float | None, typer.Option(metavar="Q", help="Q of the surfaces in vortices.gif, 1/s².")] = None,
-    camera: Annotated[
-        list[float] | None,
-        typer.Option(metavar="X,Y,Z", parser=_numbers, help="Direction to the eye in vortices.gif."),
-    ] = None,
+    camera: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Direction to the eye in vortices.gif.")] = None,
     background: Annotated[str, typer.Option(metavar="COLOUR", help="Background of vortices.gif.")] = "white",
 ) -> None:
     """Write vorticity.gif and phases.png into a result folder, of a fluid in space also vortices.gif."""
     from nervure.output import animation, vortices
 
-    part, look = animation.Part(across, at, crop), vortices.Look(q, camera, background)
+    part = animation.Part(across, at, _numbers("--crop", crop))
+    look = vortices.Look(q, _numbers("--camera", camera), background)
     for path in animation.write(folder, begin, end, part, look):
         typer.echo(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
 

@@ -1,6 +1,7 @@
 """Slices and vortices of a fluid in space: where they lie, what they show of the solids, and what can be chosen."""
 
 import copy
+import shutil
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import nervure
 from nervure.errors import InputError
 from nervure.output import animation, flow, plots, space
 from nervure.scene import validate
+from tests.conftest import nervure as command
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -143,6 +145,19 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(run, wrong, 
     with pytest.raises(InputError, match=told):
         run.animate(**wrong)
     assert not (run.folder / "phases.png").exists()
+
+
+def test_the_command_takes_the_same_choices(run, tmp_path):
+    shutil.copytree(run.folder, tmp_path / "run")
+    choices = ["--across", "y", "--at", "0.25", "--crop", "-1,2,-1,1,-0.5,0.5", "--q", "3", "--camera", "-1,0.5,1"]
+    done = command("animate", tmp_path / "run", *choices, "--background", "black")
+    assert done.returncode == 0 and (tmp_path / "run" / "vorticity.gif").exists(), done.stderr
+    for wrong, told in (
+        (["--crop", "1,2"], "the crop is 1, 2,"),
+        (["--camera", "a,1"], "--camera is a,1, but must be"),
+    ):
+        done = command("animate", tmp_path / "run", *wrong)
+        assert done.returncode == 2 and told in done.stderr, done.stderr
 
 
 def test_phases_say_where_the_slice_lies(run, monkeypatch):

@@ -55,7 +55,8 @@ class Look:
         if self.q is not None and not 0 < self.q < np.inf:
             raise InputError(f"q is {self.q:g}, but must be above 0 1/s²")
         if self.camera is not None and not (len(self.camera) == 3 and 0 < np.linalg.norm(self.camera) < np.inf):
-            raise InputError(f"the camera is {self.camera}, but must be a direction of three numbers")
+            given = ", ".join(f"{part:g}" for part in self.camera)
+            raise InputError(f"the camera is {given}, but must be a direction of three numbers")
         try:
             to_rgb(self.background)
         except ValueError as error:
