@@ -229,7 +229,7 @@ $(AXE):
 	mkdir -p target/axe
 	cd target/axe && npm pack --silent axe-core@4.14.1 | xargs tar xzf || echo "axe-core was not fetched"
 
-.PHONY: site gallery
+.PHONY: site gallery gallery-space
 
 SITE_VENV := target/site/venv
 
@@ -258,6 +258,16 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
+
+gallery-space: build $(READY_DEV) ## make the pictures of wing and plate in docs/pictures; needs pyvista
+	$(NERVURE) build wing-hover-64x64x84 --output results/space/units
+	$(NERVURE) run wing-hover-64x64x84 --fields-every 0.25 --output results/space/wing --force --quiet
+	$(NERVURE) animate results/space/wing --begin 10 --end 20
+	cp results/space/wing/motion.gif docs/pictures/wing-hover.gif
+	cp results/space/wing/vortices.gif docs/pictures/wing-hover-vortices.gif
+	$(NERVURE) run plate-stream-96x72x72 --end-time 12 --fields-every 0.25 --output results/space/plate --force --quiet
+	$(NERVURE) animate results/space/plate --begin 3 --end 12
+	cp results/space/plate/vortices.gif docs/pictures/plate-stream.gif
 
 .PHONY: dist dist-libraries wheel wheel-told foreign-test
 
@@ -330,8 +340,8 @@ report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run
 	$(MAKE) ARGS= report-pictures
 
 report-pictures: build $(READY_DEV) ## animate the vorticity of FSI3 over a period, in docs/pictures/fsi3.gif
-	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
-	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
+	$(NERVURE) run fsi3-650x144 --output results/report-pictures --fields-every 0.005 --quiet
+	$(NERVURE) animate results/report-pictures --begin 7.7222 --end 7.9044
 	$(RUN) site/small_gif.py results/report-pictures docs/pictures/fsi3.gif
 
 $(PEERS_VENV)/.ready: requirements/peers.lock

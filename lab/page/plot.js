@@ -2,6 +2,8 @@
 
 const POINTS = 700; // Of a curve on the screen
 const SKIPPED = 50; // Steps after the start, in which the flow meets the bodies with a blow
+const ROUNDING = 1e-10; // Amplitude, by the values of the column and its partner, below which a signal is rounding
+const PEAK = 0.05; // Part of a curve that the blow of a new cylinder may last
 
 /** Rows of samples in the order of time; the oldest ones are forgotten. */
 export class History {
@@ -34,18 +36,16 @@ export class History {
   }
 }
 
-/** Return mean, amplitude and frequency of a column in the last part of its curve; without a whole period there is no
- * frequency. A period begins where the curve rises through the middle, after it was well below it. */
+/** Return mean, amplitude and frequency of a column in the last part of its curve; without a whole period, and of
+ * rounding, there is no frequency. A period begins where the curve rises through the middle, after it was well below
+ * it. */
 export function measure(history, column) {
   const [first, end] = history.last(history.capacity);
   if (end - first < 20) return null;
   const begin = end - Math.floor(0.6 * (end - first));
-  let [low, high] = [Infinity, -Infinity];
-  for (let row = begin; row < end; row++) {
-    const value = history.at(row, column);
-    [low, high] = [Math.min(low, value), Math.max(high, value)];
-  }
+  const [low, high] = range(Array.from({ length: end - begin }, (_, i) => history.at(begin + i, column)));
   const [mean, amplitude] = [(low + high) / 2, (high - low) / 2];
+  if (amplitude <= ROUNDING * largest(history, column, begin, end)) return { mean, amplitude, frequency: null };
   const rises = [];
   let wasBelow = false;
   for (let row = begin; row < end; row++) {
@@ -59,6 +59,26 @@ export function measure(history, column) {
   }
   const frequency = rises.length > 1 ? (rises.length - 1) / (rises.at(-1) - rises[0]) : null;
   return { mean, amplitude, frequency };
+}
+
+/** Return the largest size of a column and of its partner, as drag and lift, along and across. */
+function largest(history, column, begin, end) {
+  let found = 0;
+  for (const one of [column, column % 2 ? column + 1 : column - 1].filter((one) => one < history.columns)) {
+    for (let row = begin; row < end; row++) found = Math.max(found, Math.abs(history.at(row, one)));
+  }
+  return found;
+}
+
+/** Return the ends of an axis for values: a peak that lasts less than `PEAK` of them, and exceeds the range of the rest
+ * by more than this range, is cut off once it is over. */
+export function range(values) {
+  const sorted = Float64Array.from(values).sort();
+  const cut = Math.floor(PEAK * sorted.length);
+  const [least, most, latest] = [sorted[0], sorted.at(-1), values.slice(values.length - Math.max(cut, 1))];
+  const [low, high] = [Math.min(sorted[cut], ...latest), Math.max(sorted[sorted.length - 1 - cut], ...latest)];
+  const span = high - low;
+  return [low - least > span ? low : least, most - high > span ? high : most];
 }
 
 /** Round to a number that is easy to read, upward. */
@@ -86,10 +106,10 @@ export function plot(canvas, history, curves, bands, unit) {
   const stride = Math.max(1, Math.ceil((end - begin) / POINTS));
   const first = Math.ceil(begin / stride) * stride;
   for (const { column, scale } of curves) {
-    for (let row = first; row < end; row += stride) {
-      const value = history.at(row, column) * scale;
-      [low, high] = [Math.min(low, value), Math.max(high, value)];
-    }
+    const values = [];
+    for (let row = first; row < end; row += stride) values.push(history.at(row, column) * scale);
+    const [least, most] = range(values);
+    [low, high] = [Math.min(low, least), Math.max(high, most)];
   }
   for (const band of bands) [low, high] = [Math.min(low, ...band), Math.max(high, ...band)];
   const step = nice(Math.max(high - low, 1e-12) / 4);
@@ -120,6 +140,10 @@ export function plot(canvas, history, curves, bands, unit) {
   }
   context.lineWidth = 2;
   context.lineJoin = "round";
+  context.save();
+  context.beginPath();
+  context.rect(x0, y0, x1 - x0, y1 - y0);
+  context.clip();
   for (const { column, scale, name, dash } of curves) {
     context.strokeStyle = colour(name);
     context.setLineDash(dash ?? []);
@@ -130,5 +154,5 @@ export function plot(canvas, history, curves, bands, unit) {
     context.lineTo(px(to), py(history.at(end - 1, column) * scale));
     context.stroke();
   }
-  context.setLineDash([]);
+  context.restore();
 }

@@ -50,9 +50,20 @@ export function toHash({ scene, values, placed, field }) {
 
 const short = (value) => String(Number(value.toPrecision(4)));
 
+/** Decode what is encoded in an address, and keep a percent sign that encodes nothing. */
+function decoded(text) {
+  return text.replace(/(%[0-9a-f]{2})+/gi, (found) => {
+    try {
+      return decodeURIComponent(found);
+    } catch {
+      return found;
+    }
+  });
+}
+
 /** Return the state that an address holds; what is unknown or out of range falls back to the scene. */
 export function fromHash(hash) {
-  const [id, ...parts] = decodeURIComponent(hash.slice(1)).split("&");
+  const [id, ...parts] = decoded(hash.slice(1)).split(/[&?]/);
   const scene = SCENES.find((known) => known.id === id) ?? SCENES[0];
   const values = ownValues(scene);
   const placed = [];

@@ -22,6 +22,7 @@ from nervure.simulation.session import Session
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
+    from PIL.Image import Image
     from xarray import Dataset
 
     from nervure.terminal import Console
@@ -75,13 +76,39 @@ class Run(results.Results):
 
         return fields.dataset(self.folder, begin, end)  # type: ignore[no-any-return, unused-ignore]
 
-    def plot_field(self, name: str = "vorticity", time: float | None = None) -> "Figure":
-        """Draw `vorticity`, `pressure`, `speed`, `u` or `v` at the frame nearest to `time` (s), by default the last.
-        The run needs `fields_every`."""
+    def plot_field(
+        self,
+        name: str = "vorticity",
+        time: float | None = None,
+        *,
+        across: str | None = None,
+        at: float | None = None,
+        crop: Sequence[float] | None = None,
+    ) -> "Figure":
+        """Draw `vorticity`, `pressure`, `speed`, `u`, `v` or `w` at the frame nearest to `time` (s), by default the
+        last. In space it is a slice `across` an axis, "x", "y" or "z", `at` a place (m), by default through the bodies.
+        `crop` shows a part: its ends along each axis, m. The run needs `fields_every`."""
         _prepare_notebook()
         from nervure.output import animation
 
-        return animation.plot_field(self.folder, name, time)
+        return animation.plot_field(self.folder, name, time, animation.Part(across, at, crop))
+
+    def plot_vortices(
+        self,
+        time: float | None = None,
+        *,
+        q: float | None = None,
+        camera: Sequence[float] | None = None,
+        crop: Sequence[float] | None = None,
+        background: str = "white",
+    ) -> "Image":
+        """Draw surfaces of equal `q` (1/s²) around the bodies in space at the frame nearest to `time` (s), by default
+        the last; `image.save(path)` writes them. `camera` is the direction to the eye, `crop` the ends of the part
+        that is shown along each axis, m. The run needs `fields_every`."""
+        from nervure.output import animation, vortices
+
+        look = vortices.Look(q, camera, background)
+        return animation.plot_vortices(self.folder, time, look, animation.Part(crop=crop))
 
     def plot(self, *names: str) -> "Figure":
         """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
@@ -97,12 +124,25 @@ class Run(results.Results):
             if name not in self.series:
                 raise InputError(f"{name} was not recorded: {hint(name, self.series)}")
 
-    def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
+    def animate(
+        self,
+        begin: float | None = None,
+        end: float | None = None,
+        *,
+        across: str | None = None,
+        at: float | None = None,
+        crop: Sequence[float] | None = None,
+        q: float | None = None,
+        camera: Sequence[float] | None = None,
+        background: str = "white",
+    ) -> list[Path]:
         """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
-        whole periods, into the folder; return their paths. The run needs `fields_every`."""
-        from nervure.output import animation
+        whole periods, into the folder, of a fluid in space also vortices.gif; return their paths. The other arguments
+        are those of `plot_field` and `plot_vortices`. The run needs `fields_every`."""
+        from nervure.output import animation, vortices
 
-        return animation.write(self.folder, begin, end)
+        part, look = animation.Part(across, at, crop), vortices.Look(q, camera, background)
+        return animation.write(self.folder, begin, end, part, look)
 
 
 def _prepare_notebook() -> None:

@@ -36,6 +36,14 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
+def _numbers(option: str, text: str | None) -> list[float] | None:
+    """Return the numbers of an option."""
+    try:
+        return None if text is None else [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"{option} is {text}, but must be numbers, as 0,1.5,-2") from None
+
+
 def _complete_scene(incomplete: str) -> list[tuple[str, str]]:
     """Return the shipped scenes and the scene files that begin with what was typed; without one, the shell offers its
     files."""
@@ -314,6 +322,7 @@ def plot(
             metavar="FOLDER", parser=_folder, help="Folder of the pictures; default: the folder of a single run."
         ),
     ] = None,
+    form: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Format of the pictures.")] = "png",
 ) -> None:
     """Draw tip.png, drag.png and lift.png of one or several runs, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
@@ -321,15 +330,17 @@ def plot(
     from nervure.output import plots, sweeps
     from nervure.simulation import results
 
+    if form not in plots.FORMATS:
+        raise InputError(f"--format is {form}, but must be one of {', '.join(plots.FORMATS)}")
     if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
-        if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
+        if (picture := sweeps.plot(folders[0], sweeps.read(folders[0]), form, output)) is None:
             raise InputError(f"{folders[0]}: fewer than two runs of the sweep are finished")
         typer.echo(picture)
         return
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
-    if not (written := plots.write(target, runs)):
+    if not (written := plots.write(target, runs, form)):
         raise InputError(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:
         typer.echo(path)
@@ -342,11 +353,24 @@ def animate(
         float | None, typer.Option(help="First time, s; default: two whole periods before the last.")
     ] = None,
     end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
+    across: Annotated[
+        str | None,
+        typer.Option(metavar="x|y|z", help="Axis across the slice of a fluid in space."),
+    ] = None,
+    at: Annotated[float | None, typer.Option(metavar="PLACE", help="Place of the slice along this axis, m.")] = None,
+    crop: Annotated[
+        str | None, typer.Option(metavar="X0,X1,Y0,…", help="Ends of the part that is shown, along each axis, m.")
+    ] = None,
+    q: Annotated[float | None, typer.Option(metavar="Q", help="Q of the surfaces in vortices.gif, 1/s².")] = None,
+    camera: Annotated[str | None, typer.Option(metavar="X,Y,Z", help="Direction to the eye in vortices.gif.")] = None,
+    background: Annotated[str, typer.Option(metavar="COLOUR", help="Background of vortices.gif.")] = "white",
 ) -> None:
     """Write vorticity.gif and phases.png into a result folder, of a fluid in space also vortices.gif."""
-    from nervure.output import animation
+    from nervure.output import animation, vortices
 
-    for path in animation.write(folder, begin, end):
+    part = animation.Part(across, at, _numbers("--crop", crop))
+    look = vortices.Look(q, _numbers("--camera", camera), background)
+    for path in animation.write(folder, begin, end, part, look):
         typer.echo(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
 
 

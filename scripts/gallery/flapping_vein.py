@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 import nervure
 
@@ -67,5 +68,6 @@ right.set(ylabel="efficiency")
 for axes in (left, right):
     axes.set(xscale="log", xlabel="bending stiffness")
     axes.set_xticks(stiffnesses, [f"{stiffness:g}" for stiffness in stiffnesses])
-    axes.minorticks_off()
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="x", which="minor", color="0.88", linewidth=0.5)
 figure.savefig(given.output / "stiffness.png", dpi=150)

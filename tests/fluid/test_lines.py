@@ -73,7 +73,7 @@ def test_rigid_lines_have_forces_places_and_pictures(plates, tmp_path):
     assert np.abs(run.series["body_1_moment"]).max() > 0 and run.series["body_2_drag"][-1] > 0
     assert run.series["body_1_angle"] == pytest.approx(0.5 * np.sin(4 * np.pi * run.series["time"]))
     assert run.facts.lines == {"body_1", "body_2"} and (tmp_path / "vorticity.png").exists()
-    hook = flow.outlines(run.scene, [], [(0.2, 0, 0), (0.9, 0.1, 0)])[1]
+    hook = flow.View(run.scene).outlines([], [(0.2, 0, 0), (0.9, 0.1, 0)])[1]
     assert hook == pytest.approx(np.array([[0.9, 0.1], [1.1, 0.1], [1.1, 0.2], [1.1, 0.1]]))
 
 

@@ -106,12 +106,16 @@ def test_fields_become_a_dataset_in_space(run):
 def test_a_slice_shows_a_field_and_the_bodies_in_it(run):
     for name in ("vorticity", "pressure", "speed", "w"):
         figure = run[0].plot_field(name, 0.03)
-        assert figure.axes[0].get_title(loc="right") == "z = 0 mm, t = 0.040 s"
-        assert figure.axes[1].get_ylabel().startswith(f"{name} [")
+        assert figure.axes[0].get_title(loc="right") == "z = 0 m, t = 0.040 s"
+        named = "vorticity about z" if name == "vorticity" else name
+        assert figure.axes[1].get_ylabel().startswith(f"{named} [")
         (solid,) = figure.axes[0].patches
         FigureCanvasAgg(figure).draw()
         extent = solid.get_path().get_extents()
-        assert [extent.x0, extent.x1, extent.y0, extent.y1] == pytest.approx([-400, 400, -400, 400], abs=1)
+        assert [extent.x0, extent.x1, extent.y0, extent.y1] == pytest.approx([-0.4, 0.4, -0.4, 0.4], abs=1e-3)
+
+
+MIDDLE = space.Plane(normal=2, place=0.0)
 
 
 def test_sections_are_those_of_turned_bodies():
@@ -127,17 +131,17 @@ def test_sections_are_those_of_turned_bodies():
     scene = validate(changed(bodies=bodies, box=SPHERE["fluid"]["box"] | {"cells": [32, 32, 32]}))
     assert scene.fluid
     turned, tipped, cylinder, flat = scene.fluid.bodies
-    (outline,) = space.section(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
+    (outline,) = MIDDLE.body(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
     corner = rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
     assert outline.max(axis=0)[0] == pytest.approx(corner[0], abs=2e-3)
-    (outline,) = space.section(tipped, [0.4, 0.0, 0.0, 0.0], scene.fluid)
+    (outline,) = MIDDLE.body(tipped, [0.4, 0.0, 0.0, 0.0], scene.fluid)
     ends = [*outline.min(axis=0), *outline.max(axis=0)]
     assert ends == pytest.approx([-0.4, -0.1 / np.cos(0.2), 0.4, 0.1 / np.cos(0.2)], abs=3e-3)
-    (outline,) = space.section(cylinder, [0.0, 0.0, 0.18, 0.0], scene.fluid)
+    (outline,) = MIDDLE.body(cylinder, [0.0, 0.0, 0.18, 0.0], scene.fluid)
     assert outline[:, 1].max() == pytest.approx(0.24, abs=2e-3)
     assert outline[:, 0].max() - outline[:, 0].min() > 4.0, "it goes through the box"
-    assert space.section(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
-    solids = flow.outlines(scene, [], [[0.0, 0.0, 0.0, 0.0]] * 4)
+    assert MIDDLE.body(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
+    solids = flow.View(scene).outlines([], [[0.0, 0.0, 0.0, 0.0]] * 4)
     assert len(solids) == 4
 
 
@@ -151,14 +155,14 @@ def test_a_plate_is_cut_in_a_line_and_a_disk_in_its_diameter():
     scene = validate(changed(bodies=bodies))
     assert scene.fluid
     first, disk = scene.fluid.bodies
-    lines = np.concatenate(space.section(first, [0.0, 0.0, 0.05, 0.1], scene.fluid))
+    lines = np.concatenate(MIDDLE.body(first, [0.0, 0.0, 0.05, 0.1], scene.fluid))
     # The length from -0.2 to 0.6 of the pivot, downwards to the right by 0.4.
     ends = np.array([[-0.2], [0.6]]) * [np.cos(0.4), -np.sin(0.4)]
     assert lines.min(axis=0) == pytest.approx(ends.min(axis=0)) and lines.max(axis=0) == pytest.approx(ends.max(axis=0))
-    lines = np.concatenate(space.section(disk, [0.1, 0.0, 0.3, 0.0], scene.fluid))
+    lines = np.concatenate(MIDDLE.body(disk, [0.1, 0.0, 0.3, 0.0], scene.fluid))
     assert lines[:, 0].max() == pytest.approx(0.1 + 0.4, rel=2e-3) and abs(lines[:, 1]).max() == 0.0
-    assert space.section(disk, [0.1, 0.0, 0.6, 0.0], scene.fluid) == []
-    assert len(flow.outlines(scene, [], [[0.0, 0.0, 0.05, 0.0], [0.1, 0.0, 0.3, 0.0]])) > 2
+    assert MIDDLE.body(disk, [0.1, 0.0, 0.6, 0.0], scene.fluid) == []
+    assert len(flow.View(scene).outlines([], [[0.0, 0.0, 0.05, 0.0], [0.1, 0.0, 0.3, 0.0]])) == 2, "a line each"
 
 
 def test_a_plate_is_the_same_as_its_triangles_also_from_a_file(libraries, tmp_path):

@@ -98,7 +98,9 @@ def test_a_page_shows_a_run_and_stops_it(two_rods, tmp_path, pages):
     asked = {"column": ["upper_tip_uy", "drag", "nothing"], "field": "speed"}
     state = wait(lambda: (found := run.state(**asked))["frame"] and found["steps"] > 20 and found)
     frame, curve = state["frame"], state["curves"]["upper_tip_uy"]
-    assert state["curves"].keys() == {"upper_tip_uy", "drag"} and state["columns"]["upper_tip_uy"] == "mm"
+    assert state["curves"].keys() == {"upper_tip_uy", "drag"} and state["columns"]["upper_tip_uy"] == "m"
+    assert state["axes"] == ["x [m]", "y [m]"] and state["scale"] == 1 and state["slice"] == ""
+    assert state["sponge"] == (list(scene.fluid.sponge.x) if scene.fluid.sponge else None)
     assert 0 <= state["time"] - frame["time"] < 1 and frame["time"] > 0
     speed = np.frombuffer(base64.b64decode(frame["values"]), "<f4").reshape(frame["shape"])
     assert speed.shape == (64, 128) and speed[:, :24].mean() == pytest.approx(1.0, abs=0.1)
@@ -116,7 +118,7 @@ def test_a_page_shows_a_run_and_stops_it(two_rods, tmp_path, pages):
         run.ask("/state")
     series = nervure.read(folder).series
     rows = np.searchsorted(series["time"], np.array(curve["time"]) - 1e-9)
-    assert np.allclose(curve["values"], 1e3 * series["upper_tip_uy"][rows], rtol=1e-8)
+    assert np.allclose(curve["values"], series["upper_tip_uy"][rows], rtol=1e-8)
 
     done = len(series["time"]) - 1
     pages.clear()

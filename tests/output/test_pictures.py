@@ -1,5 +1,6 @@
 """Pictures of runs: what sets a scale, what things are called, and that nothing lies on anything else."""
 
+import json
 from itertools import combinations
 
 import numpy as np
@@ -9,12 +10,14 @@ from matplotlib.colors import to_rgba
 from PIL import Image
 
 import nervure
+from nervure.errors import InputError
 from nervure.evaluate import statistics
-from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title
+from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
 from nervure.scene import validate
 from nervure.scene.types import PublishedQuantity, Reference
 from nervure.simulation.sweep import FINISHED
 from studies import limits
+from tests.conftest import nervure as command
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -111,11 +114,11 @@ def test_the_start_up_does_not_set_an_axis_and_is_said(periodic):
     values[:20] = 2.0
     axis = plots.over_time({"run": make({"tip_uy": values})}, ["tip_uy"]).axes[0]
     low, high = axis.get_ylim()
-    assert -1200 < low < -1000 and 1000 < high < 1200, (low, high)  # mm
-    assert axis.get_title(loc="right") == "clipped: -1e+03 to 2e+03 mm"
+    assert -1.2 < low < -1 and 1 < high < 1.2, (low, high)
+    assert axis.get_title(loc="right") == "clipped: -1 to 2 m"
 
     axis = plots.over_time({"run": make({"tip_uy": values}, periods=0)}, ["tip_uy"]).axes[0]
-    assert axis.get_ylim()[1] > 2000 and not axis.get_title(loc="right"), "without periods all of the run is seen"
+    assert axis.get_ylim()[1] > 2 and not axis.get_title(loc="right"), "without periods all of the run is seen"
 
 
 def test_the_published_band_covers_the_window_only(periodic):
@@ -126,7 +129,7 @@ def test_the_published_band_covers_the_window_only(periodic):
     for axis in plots.over_time({"run": run}, ["tip_uy"], reference).axes:
         (drawn,) = axis.collections
         extent = drawn.get_paths()[0].get_extents()
-        assert (extent.x0, extent.x1) == run.summary.window_s and extent.y1 == pytest.approx(900)
+        assert (extent.x0, extent.x1) == run.summary.window_s and extent.y1 == pytest.approx(0.9)
 
 
 def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):
@@ -152,23 +155,23 @@ def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
     low, high = scene.fluid.channel.y
     near = (from_cylinder < 1.9 * cell) | (y < low + 1.9 * cell) | (y > high - 1.9 * cell)
     field = np.where(near, 1000.0, 1.0)
-    assert flow.colour_limit(scene, [(field, flow.outlines(scene, [], []))]) == 1.0
-    assert flow.colour_limit(scene, [(field, [])]) == 1000.0
+    assert flow.View(scene).colour_limit([(field, flow.View(scene).outlines([], []))]) == 1.0
+    assert flow.View(scene).colour_limit([(field, [])]) == 1000.0
 
 
 def test_a_solid_covers_the_field_inside_it(small_fsi3):
     scene = validate(small_fsi3)
     assert scene.fluid
-    figure, axes = flow.panels(scene, plots.WIDTH)
+    figure, axes = flow.View(scene).panels(plots.WIDTH)
     figure.set_dpi(50)
-    picture = flow.Picture(axes[0, 0], scene, 1.0)
-    picture.show(np.ones(scene.fluid.box.cells), flow.outlines(scene, [], []))
+    picture = flow.Picture(axes[0, 0], flow.View(scene), 1.0)
+    picture.show(np.ones(scene.fluid.box.cells), flow.View(scene).outlines([], []))
     (patch,) = picture.patches
     (cylinder,) = scene.fluid.cylinders
     ends, diameter = patch.get_path().get_extents(), 2e3 * cylinder.radius
     assert (ends.width, ends.height) == pytest.approx((diameter, diameter), rel=1e-3)
     assert patch.get_facecolor() == to_rgba(flow.SOLID) and patch.get_edgecolor() == to_rgba(flow.EDGE)
-    left, right, bottom, top = flow.view(scene.fluid)
+    left, right, bottom, top = flow.View(scene).extent
     box = axes[0, 0].get_window_extent()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom)), "true proportions"
 
@@ -197,6 +200,71 @@ def test_words_and_units_of_a_picture(small_fsi3, rod_only):
     told = channel.model_copy(update={"description": "A bar, which bends: in water.", "name": "bar-2"})
     assert title(told, 9) == "A bar" and title(told.model_copy(update={"description": ""}), 9) == "bar 2"
     assert len(title(told.model_copy(update={"description": "long " * 40}), 4.0)) <= 58
+
+
+def test_a_scene_in_numbers_of_order_1_has_no_millimetres():
+    named = {"flag-line-480x240": "m", "sphere-stream-144x96x96": "m", "vein-3d": "m", "wing-hover-64x64x84": "m"}
+    for name, expected in (named | {"csm3": "mm", "fsi3-325x72": "mm", "rod-hanging-160x160x48": "mm"}).items():
+        scene = nervure.load(name)
+        assert lengths_in(scene, 0.01)[0] == expected, (name, lengths_in(scene, 0.01))
+        assert unit_in(scene, "N", 0.01) == ("N", 1.0)
+
+
+def test_a_sponge_is_marked_where_it_is_seen():
+    scene = nervure.load("flag-line-480x240")
+    assert scene.fluid and scene.fluid.sponge
+    begin = scene.fluid.sponge.x[0]
+    for crop, marks in ((None, ["sponge"]), ([-0.5, begin - 0.1, -0.5, 0.5], [])):
+        view = flow.View(scene, crop=crop)
+        _, axes = view.panels(plots.WIDTH)
+        flow.Picture(axes[0, 0], view, 1.0)
+        assert [text.get_text() for text in axes[0, 0].texts] == marks, crop
+        assert [line.get_xdata()[0] for line in axes[0, 0].lines] == [begin] * len(marks)
+    with pytest.raises(InputError, match="inside the box -1, 4, -1.25, 1.25"):
+        flow.View(scene, crop=[-9.0, 1.0, -1.0, 1.0])
+    with pytest.raises(InputError, match="two dimensions"):
+        flow.View(scene, across="z")
+
+
+def test_pictures_are_written_as_vectors(periodic, tmp_path):
+    time, make = periodic
+    wave = np.sin(2 * np.pi * time)
+    plots.write(tmp_path, [make({"drag": wave, "lift": wave})], "svg")
+    assert b"<svg" in (tmp_path / "drag.svg").read_bytes()
+    for folder, form in ((tmp_path, "pdf"), (tmp_path, "bmp")):
+        done = command("plot", folder, "--format", form)
+        assert done.returncode == (0 if form == "pdf" else 2), done.stderr
+    assert (tmp_path / "drag.pdf").read_bytes().startswith(b"%PDF") and "png, svg, pdf" in done.stderr
+
+
+def test_a_sweep_over_grids_has_the_cell_size_as_axis(figures, tmp_path):
+    rows, scene = [], nervure.load("plate-stream-96x72x72")
+    for n in (1, 2, 3):
+        cells = [24 * n, 18 * n, 18 * n]
+        (tmp_path / f"{n}").mkdir()
+        text = json.dumps(scene.copy({"fluid.box.cells": cells}).document())
+        (tmp_path / f"{n}" / "scene.json").write_text(text)
+        step = {"time.communication_step": 0.1 / n}  # Changes together with the grid
+        rows.append(
+            {"folder": f"{n}", "scene": "plate", **step, sweeps.GRID: cells, "status": FINISHED, "drag_mean": 1.0 * n}
+        )
+    sweeps.plot(tmp_path, rows)
+    axis = figures["sweep.png"].axes[0]
+    assert axis.get_xlabel() == "cell size [m]" and axis.get_ylabel() == "drag, mean [N]"
+    assert axis.lines[0].get_xdata() == pytest.approx([8 / 72, 8 / 48, 8 / 24])
+
+
+def test_a_logarithmic_axis_has_the_lines_of_its_decades(figures, tmp_path):
+    values = [4.0, 8.0, 16.0, 32.0, 64.0]
+    rows = [
+        {"folder": f"{value}", "scene": "bar", "beam.segments": value, "status": FINISHED, "st": value}
+        for value in values
+    ]
+    sweeps.plot(tmp_path, rows)
+    axis = figures["sweep.png"].axes[0]
+    assert axis.get_xscale() == "log" and list(axis.get_xticks()) == values
+    assert {5, 6, 7, 9, 10, 20, 30, 40, 50, 60} <= {round(float(tick)) for tick in axis.get_xticks(minor=True)}
+    check_labels(figures["sweep.png"], "sweep.png")
 
 
 @pytest.mark.parametrize("values", [[1.0, 1.1, 1.2, 40.0, 45.0], [float(n) for n in range(100000, 100040)]])

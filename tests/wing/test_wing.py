@@ -3,6 +3,7 @@
 import copy
 import math
 import zipfile
+from itertools import combinations
 from typing import Any
 
 import fmpy
@@ -10,9 +11,12 @@ import h5py
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import nervure
 from nervure.errors import SceneError
+from nervure.output import animation
+from nervure.output.wings import WingPicture
 from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.simulation import checkpoint
@@ -68,6 +72,32 @@ def test_its_pictures_and_its_file_show_the_mesh(run):
     assert np.abs(points[:, mesh.root] - mesh.nodes[mesh.root]).max() < 1e-8
     tip = int(np.argmax(np.linalg.norm(mesh.nodes, axis=1)))
     assert points[-1, tip, 2] == pytest.approx(run.series["tip_uz"][-1], abs=1e-7) != 0.0
+
+
+def test_the_path_of_its_tip_is_as_smooth_as_the_series(run):
+    frames = animation.Frames(run.folder)
+    mesh, chosen = frames.facts.wing, list(range(2, 11))
+    assert mesh is not None
+    path = animation._path_of_tip(frames, mesh, chosen)
+    assert len(path) == 17, "each step from the first frame to the last"
+    tip = int(np.argmax(np.linalg.norm(mesh.nodes, axis=1)))
+    seen = np.array(frames.wing["VTKHDF/Points"][tip :: len(mesh.nodes)])[chosen]
+    assert path[::2] == pytest.approx(seen, abs=1e-7)
+
+
+@pytest.mark.parametrize("sizes", [(1, 1, 0), (2.5, 1, 5), (1, 2, 0.4), (0.1, 1, 0.1), (3, 0.2, 0.2)])
+@pytest.mark.parametrize("width", [7.5, 9.0])
+def test_no_label_of_its_axes_lies_on_another(run, sizes, width):
+    """For a wing that moves over a box of these sizes; numbers in mm are the longest."""
+    corners = np.array([[0, -1, -0.5], [1, 0, 0.5]]) * sizes
+    picture = WingPicture(run.scene, run.facts.wing, corners[None], np.empty((0, 3)), width)
+    picture.figure.set_dpi(100)
+    FigureCanvasAgg(picture.figure).draw()
+    axes = [picture.axes.xaxis, picture.axes.yaxis, picture.axes.zaxis]
+    texts = [text for axis in axes for text in (axis.label, *axis.get_majorticklabels()) if text.get_text()]
+    assert len(texts) >= 7, [text.get_text() for text in texts]
+    for one, other in combinations(texts, 2):
+        assert not one.get_window_extent().overlaps(other.get_window_extent()), (one.get_text(), other.get_text())
 
 
 def test_the_command_animates_and_inspects_it(run, tmp_path):

@@ -5,11 +5,16 @@ import re
 from importlib.util import find_spec
 from textwrap import shorten
 
-from nervure.scene.types import Display, Scene
+import numpy as np
+
+from nervure.scene import Scene, beams
+from nervure.scene.facts import Facts
+from nervure.scene.types import Display
 from nervure.terminal import legible
 
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 LONGEST_IN_MM = 10.0  # Longest length that a picture shows in mm, m
+LARGE = 1.0  # Size of a scene in numbers of order 1, whose pictures have no mm, m
 TIP = re.compile(r"(?:(.+)_)?tip_u([xyz])")  # Columns of the motion of a tip; several rods have names
 CLAUSE = re.compile(r"[,;]|\.(?:\s|$)")  # End of the first clause of a description
 
@@ -34,8 +39,26 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
 
 
 def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
-    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it."""
-    return ("m", 1.0) if scene.display is None and longest > LONGEST_IN_MM else displayed_unit("m", scene.display)
+    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it: metres also
+    where the scene is `LARGE`."""
+    if scene.display is None and (longest > LONGEST_IN_MM or _size(scene) >= LARGE):
+        return "m", 1.0
+    return displayed_unit("m", scene.display)
+
+
+def _size(scene: Scene) -> float:
+    """Return the shortest side of the box, without a fluid the length of the longest rod or of the wing, m."""
+    if scene.fluid:
+        box = scene.fluid.box
+        return min(high - low for low, high in filter(None, (box.x, box.y, box.z)))
+    mesh = Facts(scene).wing if scene.wing else None
+    wing = [float(np.ptp(mesh.nodes, axis=0).max())] if mesh else []
+    return max([*wing, *(own.beam.length for own in beams(scene))], default=0.0)
+
+
+def unit_in(scene: Scene, unit: str | None, longest: float) -> tuple[str, float]:
+    """Return the unit in which a picture of values up to `longest` shows values in `unit`, and the factor to it."""
+    return lengths_in(scene, longest) if unit == "m" else displayed_unit(unit, scene.display)
 
 
 def axis_label(name: str, unit: str) -> str:

@@ -6,9 +6,10 @@ A fluid in space has vortices.png and vortices.gif, too, where pyvista is instal
 """
 
 import json
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -27,7 +28,7 @@ from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
 from nervure.output.wings import WingPicture
 from nervure.scene import beams, validate
-from nervure.scene.facts import Facts
+from nervure.scene.facts import Facts, WingMesh
 from nervure.simulation import results
 from nervure.simulation.results import FLUID_FIELDS, WING_FIELDS
 
@@ -45,10 +46,22 @@ SHADES = 255  # Colours of the palette for vortices, besides white
 COLOURS, GREYS = 95, 32  # Colours of the palette for the scale, and for text, axes and solids
 
 
+class Part(NamedTuple):
+    """The part of a fluid in pictures, see `flow.View`; what is None is chosen by the scene."""
+
+    across: str | None = None
+    at: float | None = None
+    crop: Sequence[float] | None = None
+
+
+ALL, PLAIN = Part(), vortices.Look()
+
+
 class Frames:
     """The frames in a result folder: times (s), vorticity, outlines of the beams."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, part: Part = ALL):
+        """Read a folder; `part` is what pictures of the fluid show."""
         h5py = require("h5py", "an animation")
         self.folder = folder
         if not results.field_files(folder):
@@ -59,9 +72,11 @@ class Frames:
         self.fluid: Any = files.get(FLUID_FIELDS)
         self.wing: Any = files.get(WING_FIELDS)
         self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
+        self.facts = Facts(scene)
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
         self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
+        self.part = part
 
     def _moves(self, series: Series) -> list[np.ndarray]:
         """Return position and angle of each body at the times of the frames, `[frames, parts]`, m and rad."""
@@ -70,28 +85,42 @@ class Frames:
         of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in parts] for i in bodies]
         return [np.transpose(parts) for parts in of]
 
+    @cached_property
+    def view(self) -> flow.View:
+        """What pictures of the fluid show."""
+        return flow.View(self.scene, *self.part)
+
     def vorticity(self, frame: int) -> np.ndarray:
         return self.field("vorticity", frame)
 
     def field(self, name: str, frame: int) -> np.ndarray:
-        """Return one of `FIELDS` in a frame, `[nx, ny]`; in space in the middle of the box along z, with the vorticity
-        about z."""
-        data = self.fluid["VTKHDF/PointData"]
-        of, vector = (name, False) if name in data else ("velocity", True)
-        values = data[of][frame]
-        if self.scene.fluid and self.scene.fluid.box.z:
-            values = values[len(values) // 2]
-            if name == "vorticity":
-                values = values[..., 2]
-        if not vector:
-            return np.array(values).T
-        u, v, w = np.moveaxis(values, -1, 0).swapaxes(1, 2)
-        found: np.ndarray = np.sqrt(u**2 + v**2 + w**2) if name == "speed" else {"u": u, "v": v, "w": w}[name]
-        return found
+        """Return one of `FIELDS` in the view of a frame, `[n, m]`, in space the vorticity about the axis across it."""
+        data, plane = self.fluid["VTKHDF/PointData"], self.view.plane
+        of, is_part = (name, False) if name in data else ("velocity", True)
+        where: list[slice | int] = [slice(None)] * (3 if plane else 2)
+        if plane:
+            where[2 - plane.normal] = self.view.number
+        values = np.swapaxes(data[of][(frame, *where)], 0, 1)  # Axes of the file are z, y, x
+        if is_part:
+            u, v, w = np.moveaxis(values, -1, 0)
+            found: np.ndarray = np.sqrt(u**2 + v**2 + w**2) if name == "speed" else {"u": u, "v": v, "w": w}[name]
+            return found
+        return np.array(values[..., plane.normal] if plane and name == "vorticity" else values)
 
-    def velocity(self, frame: int) -> np.ndarray:
-        """Return the velocity of a fluid in space in a frame, `[nx, ny, nz, 3]`, m/s."""
-        return np.array(self.fluid["VTKHDF/PointData/velocity"][frame]).swapaxes(0, 2)
+    def flow(self, frame: int) -> vortices.Flow:
+        """Return a fluid in space with all that is in it in a frame."""
+        velocity = np.array(self.fluid["VTKHDF/PointData/velocity"][frame]).swapaxes(0, 2)
+        time = float(self.times[frame])
+        return vortices.Flow(velocity, self.poses(frame), self.rods(frame), self.membrane(frame), time)
+
+    def nearest(self, time: float | None) -> int:
+        """Return the frame nearest to `time` (s), by default the last; raise `InputError` for one outside."""
+        if time is None:
+            return len(self.times) - 1
+        reached = max(self.times[-1], results.read(self.folder).summary.simulated_s)
+        if not -ROUNDING <= time <= reached + ROUNDING * reached:
+            raise InputError(f"the run in {self.folder} goes from 0 to {reached:g} s, but the time is {time:g} s")
+        return int(np.argmin(np.abs(self.times - time)))
 
     def points(self, frame: int, beam: int = 0) -> np.ndarray:
         """Return the outline of a beam in the plane, or its centre line in space, `[n, 3]`."""
@@ -102,20 +131,22 @@ class Frames:
         return f"t = {self.times[frame]:.3f} {plots.unit('s', self.scene)}"
 
     def solids(self, frame: int) -> list[np.ndarray]:
-        """Return the outlines of the solids in the fluid, m, each `[n, 2]`."""
+        """Return the outlines of the solids in the view, m, each `[n, 2]`."""
         beams = [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
-        return flow.outlines(self.scene, beams, self.poses(frame))
+        if plane := self.view.plane:
+            beams = [outline for rod in self.rods(frame) for outline in plane.rod(*rod)]
+        return self.view.outlines(beams, self.poses(frame), self.membrane(frame))
 
     def rods(self, frame: int) -> list[tuple[np.ndarray, float]]:
         """Return centre line, `[n, 3]`, and largest radius of each beam in space, m."""
-        thickness = Facts(self.scene).thickness if self.beams else {}
+        thickness = self.facts.thickness if self.beams else {}
         return [
             (self.points(frame, i), float(np.max(thickness[own.force])) / 2) for i, own in enumerate(beams(self.scene))
         ]
 
     def membrane(self, frame: int) -> tuple[np.ndarray, np.ndarray] | None:
         """Return nodes, `[n, 3]`, m, and triangles, `[m, 3]`, of the wing, if the scene has one."""
-        mesh = Facts(self.scene).wing if self.wing is not None else None
+        mesh = self.facts.wing if self.wing is not None else None
         if mesh is None:
             return None
         count = len(mesh.nodes)
@@ -148,14 +179,24 @@ class Frames:
         return np.flatnonzero((self.times >= begin) & (self.times < end)).tolist()
 
 
-def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
+def write(
+    folder: Path, begin: float | None, end: float | None, part: Part = ALL, look: vortices.Look = PLAIN
+) -> list[Path]:
     """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s), and phases.png, into a result
     folder; of a rod alone or a wing motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png,
     vortices.gif and vortices.mp4 where pyvista is installed. Return their paths."""
     try:
-        frames = Frames(folder)
+        frames = Frames(folder, part)
     except (OSError, KeyError) as error:
         raise InputError(f"the fields in {folder} cannot be read: {error}") from error
+    in_space = bool(frames.scene.fluid and frames.scene.fluid.box.z)
+    look.check()
+    if look != PLAIN and not in_space:
+        raise InputError("q, camera and background are of vortices in space, but there is no fluid in space")
+    if frames.fluid is None and part != ALL:
+        raise InputError("across, at and crop are of a fluid, but there is none")
+    if frames.fluid is not None:
+        _ = frames.view  # Refuses a part that is not there, before anything is written
     try:
         window = results.read(folder).summary.window
     except InputError:
@@ -178,70 +219,66 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         motion(frames, shown, folder / "motion.png")
         return [folder / "motion.png", *_films(folder / "motion", render_rod(frames, shown))]
     sampled = chosen[:: max(1, len(chosen) // SAMPLES)]
-    limit = flow.colour_limit(frames.scene, [(frames.vorticity(frame), frames.solids(frame)) for frame in sampled])
+    limit = frames.view.colour_limit([(frames.vorticity(frame), frames.solids(frame)) for frame in sampled])
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
-    nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
-    phases(frames, nearest, limit, folder / "phases.png")
+    phases(frames, [frames.nearest(float(time)) for time in at], limit, folder / "phases.png")
     written = [*of_wing, folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
-    if frames.scene.fluid and frames.scene.fluid.box.z:
+    if in_space:
         try:
             require("pyvista", "vortices.gif")
         except InputError as error:
             console.warn(str(error))
         else:
-            written += _vortices(frames, chosen)
+            written += _vortices(frames, chosen, look)
     return written
 
 
-def _vortices(frames: Frames, chosen: list[int]) -> list[Path]:
+def _vortices(frames: Frames, chosen: list[int], look: vortices.Look) -> list[Path]:
     """Write vortices.png of the last frame and the films of at most `FILM` frames; return their paths."""
     chosen = chosen[:: -(-len(chosen) // FILM)]
-    sampled = chosen[:: max(1, len(chosen) // 3)]
-    space = vortices.Space(frames.scene, [(frames.velocity(frame), frames.poses(frame)) for frame in sampled])
-    pictures = [
-        space.picture(
-            frames.velocity(frame),
-            frames.poses(frame),
-            frames.rods(frame),
-            frames.membrane(frame),
-            float(frames.times[frame]),
-        )
-        for frame in chosen
-    ]
+    space = vortices.Space(frames.scene, look, frames.part.crop, map(frames.flow, chosen[:: max(1, len(chosen) // 3)]))
+    pictures = [space.picture(frames.flow(frame)) for frame in chosen]
     path = frames.folder / "vortices.png"
     write_whole(path, lambda unfinished: Image.fromarray(pictures[-1]).save(unfinished, "PNG"))
-    # White is a third of a picture and would take the palette's colours from the surfaces.
-    colours = np.concatenate(pictures[:: max(1, len(pictures) // 3)]).reshape(-1, 3)
-    few = Image.fromarray(colours[(colours < 255).any(axis=-1)][None]).quantize(SHADES)
-    palette = np.append(np.reshape(few.getpalette() or [], (-1, 3)), [[255, 255, 255]], axis=0).astype(np.uint8)
+    # The background is a third of a picture and would take the palette's colours from the surfaces.
+    colours, behind = np.concatenate(pictures[:: max(1, len(pictures) // 3)]).reshape(-1, 3), pictures[0][0, 0]
+    few = Image.fromarray(colours[(colours != behind).any(axis=-1)][None]).quantize(SHADES)
+    palette = np.append(np.reshape(few.getpalette() or [], (-1, 3)), [behind], axis=0).astype(np.uint8)
     return [path, *_films(frames.folder / "vortices", pictures, palette)]
 
 
-def plot_field(folder: Path, name: str, time: float | None) -> Figure:
+def plot_vortices(folder: Path, time: float | None, look: vortices.Look, part: Part = ALL) -> Image.Image:
+    """Draw the vortices at the frame nearest to `time` (s), by default the last."""
+    look.check()
+    frames = Frames(folder, part)
+    if frames.fluid is None or not (frames.scene.fluid and frames.scene.fluid.box.z):
+        raise InputError(f"{folder} holds no fields of a fluid in space")
+    flow = frames.flow(frames.nearest(time))
+    return Image.fromarray(vortices.Space(frames.scene, look, part.crop, [flow]).picture(flow))
+
+
+def plot_field(folder: Path, name: str, time: float | None, part: Part = ALL) -> Figure:
     """Draw one of `FIELDS` at the frame nearest to `time` (s), by default the last; raise `InputError` for a time
     outside of the run."""
     if name not in FIELDS:
         raise InputError(f"there is no field {name}: {hint(name, FIELDS)}")
-    frames = Frames(folder)
+    frames = Frames(folder, part)
     if frames.fluid is None:
         raise InputError(f"{folder} holds no fields of a fluid")
     if name == "w" and not (frames.scene.fluid and frames.scene.fluid.box.z):
         raise InputError("there is no field w: the fluid has two dimensions")
-    reached = max(frames.times[-1], results.read(folder).summary.simulated_s)
-    if time is not None and not -ROUNDING <= time <= reached + ROUNDING * reached:
-        raise InputError(f"the run in {folder} goes from 0 to {reached:g} s, but the time is {time:g} s")
-    frame = len(frames.times) - 1 if time is None else int(np.argmin(np.abs(frames.times - time)))
+    frame = frames.nearest(time)
     field, solids = frames.field(name, frame), frames.solids(frame)
     percentile = flow.PERCENTILE if name == "vorticity" else 100.0
-    limit = flow.colour_limit(frames.scene, [(field, solids)], percentile)
-    figure, axes = flow.panels(frames.scene, plots.WIDTH)
-    picture = flow.Picture(axes[0, 0], frames.scene, limit)
+    limit = frames.view.colour_limit([(field, solids)], percentile)
+    figure, axes = frames.view.panels(plots.WIDTH)
+    picture = flow.Picture(axes[0, 0], frames.view, limit)
     if name == "speed":
         picture.image.set(cmap="viridis", clim=(0.0, limit))
     picture.show(field, solids)
-    picture.say(float(frames.times[frame]), frames.scene)
-    flow.colour_bar(figure, axes, picture.image, frames.scene, name, FIELDS[name])
+    picture.say(float(frames.times[frame]))
+    flow.colour_bar(figure, axes, picture.image, frames.view, name, FIELDS[name])
     return figure
 
 
@@ -267,18 +304,18 @@ def _films(path: Path, pictures: list[np.ndarray], palette: np.ndarray | None = 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     """Draw four frames below each other, or two by two where the box is high, with one colour scale."""
-    assert frames.scene.fluid is not None, "phases are pictures of a fluid"
-    left, right, bottom, top = flow.view(frames.scene.fluid)
+    left, right, bottom, top = frames.view.extent
     columns = 2 if top - bottom > (right - left) / 2 else 1
-    figure, axes = flow.panels(frames.scene, plots.WIDTH, len(chosen) // columns, columns, 2 * layout.TOP)
+    figure, axes = frames.view.panels(plots.WIDTH, len(chosen) // columns, columns, 2 * layout.TOP)
     figure.set_dpi(plots.DPI)
     for axis, frame in zip(axes.flat, chosen, strict=True):
-        picture = flow.Picture(axis, frames.scene, limit)
+        picture = flow.Picture(axis, frames.view, limit)
         picture.show(frames.vorticity(frame), frames.solids(frame))
         axis.set_title(frames.title(frame), loc="right", fontsize="small")
     layout.label_outer(axes)
-    figure.suptitle(title(frames.scene, plots.WIDTH), fontsize="medium")
-    flow.colour_bar(figure, axes, picture.image, frames.scene)
+    words = title(frames.scene, plots.WIDTH - 0.1 * len(frames.view.place))
+    figure.suptitle(", ".join(filter(None, (words, frames.view.place))), fontsize="medium")
+    flow.colour_bar(figure, axes, picture.image, frames.view)
     plots.save(figure, path)
 
 
@@ -313,22 +350,22 @@ def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
 
 def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
     """Write motion.png and the films of a wing with the path of its tip, the node farthest from the pivot at rest."""
-    scene, mesh = frames.scene, Facts(frames.scene).wing
+    scene, mesh = frames.scene, frames.facts.wing
     assert scene.wing is not None and mesh is not None, "the file is of a wing"
     count = len(mesh.nodes)
     shapes = np.array(frames.wing["VTKHDF/Points"][: len(frames.times) * count]).reshape(-1, count, 3)[chosen]
-    tip = int(np.argmax(np.linalg.norm(mesh.nodes - scene.wing.pivot, axis=1)))
-    still = WingPicture(scene, mesh, shapes, plots.WIDTH)
+    path = _path_of_tip(frames, mesh, chosen)
+    still = WingPicture(scene, mesh, shapes, path, plots.WIDTH)
     for number in np.unique(np.linspace(0, len(chosen) - 1, WINGS).round().astype(int))[:-1]:
         still.add(shapes[number])
-    still.draw_path(shapes[:, tip])
+    still.draw_path(path)
     still.show(shapes[-1])
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
     still.said.set_text(f"t = {first} to {last} {still.clock}")
     plots.save(still.figure, folder / "motion.png")
 
-    picture = WingPicture(scene, mesh, shapes, WIDTH)
-    picture.draw_path(shapes[:, tip])
+    picture = WingPicture(scene, mesh, shapes, path, WIDTH)
+    picture.draw_path(path)
     picture.figure.set_dpi(DPI)
     canvas, pictures = FigureCanvasAgg(picture.figure), []
     for place in range(0, len(chosen), -(-len(chosen) // FILM)):
@@ -339,16 +376,36 @@ def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
     return [folder / "motion.png", *_films(folder / "motion", pictures)]
 
 
+def _path_of_tip(frames: Frames, mesh: WingMesh, chosen: list[int]) -> np.ndarray:
+    """Return the path of the tip of a wing over the times of the frames `chosen`, m, `[times, 3]`: from the series, or
+    else from the frames."""
+    assert frames.scene.wing is not None, "the mesh is of a wing"
+    away, count = np.linalg.norm(mesh.nodes - frames.scene.wing.pivot, axis=1), len(mesh.nodes)
+    tip = int(np.flatnonzero(away > (1 - 1e-12) * away.max())[-1])  # The last of equals, as the unit takes it
+    points = np.array(frames.wing["VTKHDF/Points"][tip::count])[chosen]
+    try:
+        series = results.read(frames.folder).series
+    except InputError:
+        return points
+    begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
+    rows = (series["time"] >= begin * (1 - 1e-9)) & (series["time"] <= end * (1 + 1e-9))
+    if not all(f"tip_u{axis}" in series for axis in "xyz") or rows.sum() < len(chosen):
+        return points
+    moved = np.transpose([series[f"tip_u{axis}"][rows] for axis in "xyz"])
+    found: np.ndarray = points[0] + moved - moved[0]
+    return found
+
+
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     """Return pictures of the fluid in the frames `chosen`, `[height, width, 3]` of bytes."""
-    figure, axes = flow.panels(frames.scene, WIDTH)
+    figure, axes = frames.view.panels(WIDTH)
     figure.set_dpi(DPI)
     canvas, pictures = FigureCanvasAgg(figure), []
-    picture = flow.Picture(axes[0, 0], frames.scene, limit)
-    flow.colour_bar(figure, axes, picture.image, frames.scene)
+    picture = flow.Picture(axes[0, 0], frames.view, limit)
+    flow.colour_bar(figure, axes, picture.image, frames.view)
     for frame in chosen:
         picture.show(frames.vorticity(frame), frames.solids(frame))
-        picture.say(float(frames.times[frame]), frames.scene)
+        picture.say(float(frames.times[frame]))
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return pictures

@@ -16,7 +16,9 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
+from nervure.errors import InputError
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, space, title
+from nervure.output.fields import outline
 from nervure.scene import Scene, solids
 from nervure.scene.outline import POSE, body_outline, circle
 from nervure.scene.types import Fluid
@@ -25,19 +27,113 @@ PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, 
 LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the colour scale, cells
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
+THICK, THIN = 0.6, 1.5  # Widths of the outline of a solid and of a line
+MARK = "0.6"  # Grey of a sponge
 
+Crop = Sequence[float]  # Ends of a part along x, y and in space z, m: x_0, x_1, y_0, …
 Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n, 2]`
 
 
-def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> list[np.ndarray]:
-    """Return the outlines of the still cylinders, of the bodies at `poses` (m and rad, see `pose`) and of `beams`, in
-    space those in the plane that pictures show."""
-    fluid = _fluid(scene)
-    if fluid.box.z:
-        return [line for body, of in zip(fluid.bodies, poses, strict=False) for line in space.section(body, of, fluid)]
-    still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
-    found = [np.array(cylinder.center) + circle(cylinder.radius) for cylinder in still]
-    return [*found, *(body_outline(body, *pose) for body, pose in zip(fluid.bodies, poses, strict=False)), *beams]
+class View:
+    """The part of a fluid that pictures show: the plane, or in space the slice across the axis `across` (x, y or z) at
+    `at` (m), by default where it shows the bodies (see `space.choose`); `crop` has the ends along each axis, m."""
+
+    def __init__(self, scene: Scene, across: str | None = None, at: float | None = None, crop: Crop | None = None):
+        self.scene, self.fluid = scene, _fluid(scene)
+        box = self.fluid.box
+        self.plane: space.Plane | None = None
+        if box.z:
+            self.plane, self.number = space.choose(scene, across, at)
+        elif across is not None or at is not None:
+            raise InputError("a slice is chosen in space only, but the fluid has two dimensions")
+        self.axes = self.plane.axes if self.plane else (0, 1)
+        self.names = tuple("xyz"[axis] for axis in self.axes)
+        self.ends = [getattr(box, name) for name in self.names]
+        parts = dict(zip("xyz", space.cropped(self.fluid, crop), strict=False)) if crop else {}
+        shown = []
+        for name, (low, high) in zip(self.names, self.ends, strict=True):
+            walls = getattr(self.fluid.channel, name, None)
+            begin, end = walls or (low, high)
+            if name == "x" and (inflow := self.fluid.inflow) and low <= inflow.x[1] < end - 0.1 * (end - begin):
+                begin = inflow.x[1]
+            shown.append(parts.get(name, (begin, end)))
+        (left, right), (bottom, top) = shown
+        self.extent = left, right, bottom, top  # m
+        self.unit, self.scale = lengths_in(scene, max(map(abs, self.extent)))
+
+    @property
+    def place(self) -> str:
+        """Where a slice lies, as `z = 0 mm`; empty in the plane."""
+        if not self.plane:
+            return ""
+        return f"{'xyz'[self.plane.normal]} = {self.scale * self.plane.place:.3g} {self.unit}"
+
+    @property
+    def component(self) -> str:
+        """The component of the vorticity across the picture, as the fluid names it."""
+        return "vorticity" if not self.plane or self.plane.normal == 2 else f"vorticity_{'xyz'[self.plane.normal]}"
+
+    def named(self, field: str) -> str:
+        """Return the words for a field."""
+        return f"vorticity about {'xyz'[self.plane.normal]}" if self.plane and field == "vorticity" else field
+
+    def cut(self, field: np.ndarray) -> np.ndarray:
+        """Return the values of a field, `[nx, ny]` or `[nx, ny, nz]`, in the picture, `[n, m]`."""
+        return np.take(field, self.number, axis=self.plane.normal) if self.plane else field
+
+    def beam(self, line: np.ndarray, thickness: np.ndarray) -> list[np.ndarray]:
+        """Return the outlines of a beam, m, each `[n, 2]`, by its stations, `[n, 2]` or `[n, 3]`, and its thickness."""
+        return self.plane.rod(line, float(thickness.max()) / 2) if self.plane else [outline(line, thickness)]
+
+    def outlines(
+        self,
+        beams: Solids,
+        poses: Sequence[Sequence[float]],
+        wing: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> list[np.ndarray]:
+        """Return the outlines in the picture of the still cylinders, of the bodies at `poses` (m and rad, see `pose`),
+        of `beams`, and of a wing by its nodes, `[n, 3]` (m), and triangles."""
+        fluid, plane, bodies = self.fluid, self.plane, zip(self.fluid.bodies, poses, strict=False)
+        if plane:
+            cut = [line for body, of in bodies for line in plane.body(body, of, fluid)]
+            return [*cut, *beams, *(plane.cut(*wing) if wing else ())]
+        still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
+        found = [np.array(cylinder.center) + circle(cylinder.radius) for cylinder in still]
+        return [*found, *(body_outline(body, *of) for body, of in bodies), *beams]
+
+    @property
+    def sponge(self) -> tuple[float, float] | None:
+        """The ends of the sponge along the picture, m; None where it is not in it."""
+        return self.fluid.sponge.x if self.fluid.sponge and self.axes[0] == 0 else None
+
+    def panels(
+        self, width: float, rows: int = 1, columns: int = 1, top: float = layout.TOP
+    ) -> tuple[Figure, np.ndarray]:
+        """Return a figure of `width` (in) with axes `[rows, columns]` for pictures below `top` (in)."""
+        left, right, low, high = self.extent
+        return layout.grid(width, [right - left] * columns, [high - low] * rows, top)
+
+    def colour_limit(self, frames: Iterable[tuple[np.ndarray, Solids]], percentile: float = PERCENTILE) -> float:
+        """Return the end of the colour scale for frames of a field and solids; the layers at walls saturate."""
+        shown = np.concatenate([np.abs(field[self._free(field.shape, solids)]) for field, solids in frames])
+        return float(np.percentile(shown, percentile)) or 1.0 if shown.size else 1.0
+
+    def _free(self, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
+        """Return which points of a grid of `shape` are seen outside of solids and of the layer at solids and walls."""
+        x, y = (np.linspace(low, high, n, endpoint=False) for (low, high), n in zip(self.ends, shape, strict=True))
+        layer = LAYER * max(x[1] - x[0], y[1] - y[0])
+        inside = []
+        for places, name, low, high in zip((x, y), self.names, self.extent[::2], self.extent[1::2], strict=True):
+            wall = layer if getattr(self.fluid.channel, name, None) else 0.0
+            inside.append((places >= low + wall) & (places <= high - wall))
+        free: np.ndarray = np.logical_and.outer(*inside)
+        for solid in solids:
+            near = np.ix_(*((at > low - layer) & (at < high + layer) for at, low, high in
+                            zip((x, y), solid.min(axis=0), solid.max(axis=0), strict=True)))  # fmt: skip
+            points = np.stack(np.broadcast_arrays(x[near[0]], y[near[1]]), axis=-1).reshape(-1, 2)
+            covered = Path(solid).contains_points(points) | (_distance(points, solid) < layer)
+            free[near] &= ~covered.reshape(free[near].shape)
+        return free
 
 
 def pose(scene: Scene) -> tuple[str, ...]:
@@ -45,59 +141,66 @@ def pose(scene: Scene) -> tuple[str, ...]:
     return solids.POSE if _fluid(scene).box.z else POSE
 
 
-def panels(
-    scene: Scene, width: float, rows: int = 1, columns: int = 1, top: float = layout.TOP
-) -> tuple[Figure, np.ndarray]:
-    """Return a figure of `width` (in) with axes `[rows, columns]` for pictures of `scene` below `top` (in)."""
-    left, right, low, high = view(_fluid(scene))
-    return layout.grid(width, [right - left] * columns, [high - low] * rows, top)
-
-
 def colour_bar(
-    figure: Figure, axes: np.ndarray, picture: AxesImage, scene: Scene, name: str = "vorticity", unit: str = "1/s"
+    figure: Figure, axes: np.ndarray, picture: AxesImage, view: View, name: str = "vorticity", unit: str = "1/s"
 ) -> None:
     """Add the colour bar of a field, as high as all `axes` together."""
     place, triangle, ticks = layout.bar(figure, axes)
-    label = axis_label(name, displayed_unit(unit, scene.display)[0])
+    label = axis_label(view.named(name), displayed_unit(unit, view.scene.display)[0])
     figure.colorbar(picture, cax=place, label=label, extend="both", extendfrac=triangle, ticks=ticks)
 
 
 class Picture:
     """The vorticity in `axis`, with colours from -`limit` to `limit` (1/s)."""
 
-    def __init__(self, axis: Axes, scene: Scene, limit: float):
-        self.axis, self.fluid = axis, _fluid(scene)
-        left, right, bottom, top = extent = view(self.fluid)
-        unit, scale = lengths_in(scene, max(map(abs, extent)))
-        self.unit, self.scale, self.patches = unit, scale, list[Polygon]()
+    def __init__(self, axis: Axes, view: View, limit: float):
+        self.axis, self.view, self.patches = axis, view, list[Polygon]()
+        left, right, bottom, top = view.extent
         pixels = axis.get_window_extent()
         columns, rows = max(2, round(pixels.width)), max(2, round(pixels.height))
         self.x = left + (np.arange(columns) + 0.5) / columns * (right - left)
         self.y = bottom + (np.arange(rows) + 0.5) / rows * (top - bottom)
         look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": -limit, "vmax": limit, "origin": "lower", "aspect": "auto"}
-        look["extent"] = [scale * edge for edge in extent]
+        look["extent"] = [view.scale * edge for edge in view.extent]
         self.image = axis.imshow(np.zeros((2, 2)), **look)
-        axis.set(xlabel=axis_label("x", unit), ylabel=axis_label("y", unit))
+        axis.set(xlabel=axis_label(view.names[0], view.unit), ylabel=axis_label(view.names[1], view.unit))
+        if view.sponge and view.sponge[0] < right and view.sponge[1] > left:
+            self._mark(*np.clip(view.sponge, left, right))
+
+    def _mark(self, begin: float, end: float) -> None:
+        """Mark a sponge from `begin` to `end`, m: the flow in it is not that of the scene."""
+        begin, end = self.view.scale * begin, self.view.scale * end
+        self.axis.axvspan(begin, end, facecolor="none", edgecolor=MARK, hatch="//", linewidth=0, alpha=0.6)
+        self.axis.axvline(begin, color=MARK, linewidth=0.6)
+        look: dict[str, Any] = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": "x-small", "color": "0.35"}
+        self.axis.annotate("sponge", (begin, 0), (-1, 3), ("data", "axes fraction"), "offset points", **look)
 
     def show(self, field: np.ndarray, solids: Solids) -> None:
-        """Show a vorticity `field` (1/s), `[nx, ny]`, and the solids over it."""
-        fine = resample(resample(field, self.fluid.box.x, self.x).T, self.fluid.box.y, self.y)
-        self.image.set_data(fine)
+        """Show a vorticity `field` (1/s) in the view, `[n, m]`, and the solids over it."""
+        along, up = self.view.ends
+        self.image.set_data(resample(resample(field, along, self.x).T, up, self.y))
         for patch in self.patches:
             patch.remove()
-        look: dict[str, Any] = {"facecolor": SOLID, "edgecolor": EDGE, "linewidth": 0.6}
-        self.patches = [Polygon(self.scale * outline, **look) for outline in solids]
+        look: dict[str, Any] = {"facecolor": SOLID, "edgecolor": EDGE}
+        self.patches = [
+            Polygon(self.view.scale * solid, linewidth=THIN if is_line(solid) else THICK, **look) for solid in solids
+        ]
         for patch in self.patches:
             self.axis.add_patch(patch)
 
-    def say(self, time: float, scene: Scene) -> None:
-        """Write the title of the scene and the `time` (s) above the picture."""
-        clock = f"t = {time:.3f} {displayed_unit('s', scene.display)[0]}"
-        if self.fluid.box.z:
-            clock = f"z = {self.scale * space.slice_z(self.fluid):.3g} {self.unit}, {clock}"
+    def say(self, time: float) -> None:
+        """Write the title of the scene and the `time` (s) above the picture, and where a slice lies."""
+        view = self.view
+        clock = f"t = {time:.3f} {displayed_unit('s', view.scene.display)[0]}"
+        clock = ", ".join(filter(None, (view.place, clock)))
         inches = self.axis.get_window_extent().width / self.axis.figure.dpi
-        self.axis.set_title(title(scene, inches - 0.1 * len(clock)), loc="left", fontsize="small")
+        self.axis.set_title(title(view.scene, inches - 0.1 * len(clock)), loc="left", fontsize="small")
         self.axis.set_title(clock, loc="right", fontsize="small")
+
+
+def is_line(outline: np.ndarray) -> bool:
+    """Return whether an outline is that of a line, which has no thickness."""
+    return bool((outline == outline[::-1]).all())
 
 
 def sigma(n: int) -> np.ndarray:
@@ -123,32 +226,6 @@ def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> n
     return found
 
 
-def colour_limit(scene: Scene, frames: Iterable[tuple[np.ndarray, Solids]], percentile: float = PERCENTILE) -> float:
-    """Return the end of the colour scale for frames of a field and solids; the layers at walls saturate."""
-    shown = np.concatenate([np.abs(field[_free(scene, field.shape, solids)]) for field, solids in frames])
-    return float(np.percentile(shown, percentile)) or 1.0 if shown.size else 1.0
-
-
-def _free(scene: Scene, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
-    """Return which points of a grid of `shape` are seen outside of solids and of the layer at solids and walls."""
-    fluid = _fluid(scene)
-    left, right, bottom, top = view(fluid)
-    x, y = (np.linspace(*ends, n, endpoint=False) for ends, n in zip((fluid.box.x, fluid.box.y), shape, strict=True))
-    layer = LAYER * max(x[1] - x[0], y[1] - y[0])
-    wall, side = (
-        layer if fluid.channel and walls else 0.0 for walls in (fluid.channel, fluid.channel and fluid.channel.x)
-    )
-    along = (x >= left + side) & (x <= right - side)
-    free: np.ndarray = np.logical_and.outer(along, (y >= bottom + wall) & (y <= top - wall))
-    for outline in solids:
-        near = np.ix_(*((at > low - layer) & (at < high + layer) for at, low, high in
-                        zip((x, y), outline.min(axis=0), outline.max(axis=0), strict=True)))  # fmt: skip
-        points = np.stack(np.broadcast_arrays(x[near[0]], y[near[1]]), axis=-1).reshape(-1, 2)
-        solid = Path(outline).contains_points(points) | (_distance(points, outline) < layer)
-        free[near] &= ~solid.reshape(free[near].shape)
-    return free
-
-
 def _distance(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """Return the distance of `points` from a closed `outline`, m."""
     least = np.full(len(points), np.inf)
@@ -161,11 +238,3 @@ def _distance(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
 def _fluid(scene: Scene) -> Fluid:
     assert scene.fluid is not None, "only a fluid has a vorticity"
     return scene.fluid
-
-
-def view(fluid: Fluid) -> tuple[float, float, float, float]:
-    """Return left, right, lower and upper end of a picture, m: the channel behind the inflow zone, or the box."""
-    (x0, x1), (y0, y1) = (fluid.channel and fluid.channel.x) or fluid.box.x, fluid.box.y
-    left = fluid.inflow.x[1] if fluid.inflow else x0
-    bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
-    return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top

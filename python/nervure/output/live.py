@@ -19,7 +19,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
-from nervure.output import displayed_unit, fields, flow, title
+from nervure.output import axis_label, displayed_unit, fields, flow, lengths_in, space, title, unit_in
 from nervure.scene.types import Fluid
 from nervure.simulation.checkpoint import Checkpoint
 from nervure.simulation.loop import Observer, TimeLoop
@@ -29,7 +29,7 @@ from nervure.simulation.summary import RunStatus
 
 LOOPBACK = "127.0.0.1"
 PAGE = Path(__file__).with_suffix(".html")
-FIELDS = {"vorticity": ("vorticity",), "speed": ("u", "v"), "pressure": ("p",)}  # With what the unit shows
+FIELDS = {"vorticity": ("vorticity",), "speed": ("u", "v", "w"), "pressure": ("p",)}  # With what the unit shows
 UNITS = {"vorticity": "1/s", "speed": "m/s", "pressure": "Pa"}
 MOST_POINTS = 512  # Points of a frame along an axis
 BUCKETS = 400  # Parts of a curve, each drawn from its least to its largest value
@@ -59,6 +59,11 @@ class Live(Observer):
         self._watched = False
         fluid = session.units.get("fluid")
         self.fields = [name for name, (first, *_) in FIELDS.items() if fluid and fluid.shown_field(first) is not None]
+        scene = session.scene
+        self.view = flow.View(scene) if scene.fluid else None
+        self.unit, self.scale = lengths_in(scene, 0.0)
+        columns = session.recorder.units.items()
+        self.shown = {name: unit_in(scene, unit, 0.0) for name, unit in columns if name != "time"}
         live = self
 
         class Handler(_Handler):
@@ -122,31 +127,33 @@ class Live(Observer):
 
     def _frame(self, name: str) -> dict[str, Any]:
         """Return a field, empty where there is none, and the solids, as the page draws them."""
-        session = self.session
-        scene, units, fluid = session.scene, session.units, session.scene.fluid
-        beams, seen = [], []  # In the plane, and from above
+        session, view, units = self.session, self.view, self.session.units
+        mesh, solids = session.facts.wing, list[np.ndarray]()
         for own in session.facts.beams:
             if {"x", "y"} <= (units.get(own.unit) or units["fluid"]).variables.keys():
-                points = fields.station_positions(units, own)
-                if points.shape[1] == 2:
-                    beams.append(fields.outline(points, session.facts.thickness[own.force]))
-                else:
-                    seen.append(there_and_back(points))
-        if mesh := session.facts.wing:
-            nodes = fields.wing_nodes(units["wing"])
-            seen += [nodes[mesh.edge()], *(there_and_back(nodes[vein]) for vein in mesh.veins)]
-        solids = flow.outlines(scene, beams, self._poses(fluid)) if fluid else beams
-        solids = [*solids, *(line[:, :2] for line in seen)]
+                points, thickness = fields.station_positions(units, own), session.facts.thickness[own.force]
+                if view:
+                    solids += view.beam(points, thickness)
+                elif points.shape[1] == 2:
+                    solids.append(fields.outline(points, thickness))
+                else:  # from above
+                    solids.append(space.there_and_back(points[:, :2]))
+        wing = (fields.wing_nodes(units["wing"]), mesh.triangles) if mesh else None
+        if view:
+            solids = view.outlines(solids, self._poses(view.fluid), wing)
+        elif mesh and wing:
+            seen = wing[0][:, :2]
+            solids += [seen[mesh.edge()], *(space.there_and_back(seen[vein]) for vein in mesh.veins)]
         frame: dict[str, Any] = {"time": session.time, "solids": [outline.tolist() for outline in solids]}
-        if name and fluid:
-            parts = [units["fluid"].field(part) for part in FIELDS[name]]
-            parts = [part[..., part.shape[2] // 2] if part.ndim == 3 else part for part in parts]
-            stride = max(1, -(-max(parts[0].shape) // MOST_POINTS))
-            values = np.hypot(*parts) if len(parts) == 2 else parts[0]
+        if name and view:
+            parts = [view.component] if name == "vorticity" else FIELDS[name][: 3 if view.plane else 2]
+            found = [view.cut(units["fluid"].field(part)) for part in parts]
+            stride = max(1, -(-max(found[0].shape) // MOST_POINTS))
+            values = np.sqrt(np.sum(np.square(found), axis=0)) if len(found) > 1 else found[0]
             values = flow.mean(values)[::stride, ::stride].T.astype("<f4")
-            unit, _ = displayed_unit(UNITS[name], scene.display)
-            frame |= {"name": name, "unit": unit, "shape": values.shape, "box": [*fluid.box.x, *fluid.box.y]}
-            frame |= {"view": flow.view(fluid), "values": base64.b64encode(values.tobytes()).decode()}
+            unit, _ = displayed_unit(UNITS[name], session.scene.display)
+            frame |= {"name": name, "unit": unit, "shape": values.shape, "box": [*view.ends[0], *view.ends[1]]}
+            frame |= {"view": view.extent, "values": base64.b64encode(values.tobytes()).decode()}
         return frame
 
     def _poses(self, fluid: Fluid) -> list[list[float]]:
@@ -158,7 +165,7 @@ class Live(Observer):
 
     def state(self, columns: list[str], field: str) -> dict[str, Any]:
         """Return what the page shows: the curves of `columns` and, once the run has made it, a frame of `field`."""
-        session = self.session
+        session, view = self.session, self.view
         recorder, display = session.recorder, session.scene.display
         with self._news:
             self._watched = True
@@ -168,7 +175,7 @@ class Live(Observer):
                 self._news.wait_for(lambda: self._wanted is None or bool(self.ended), PATIENCE)
             frame, message, ended = self._frames.get(field), self.message, self.ended
         table = recorder.table[: recorder.rows]
-        shown = {name: displayed_unit(unit, display) for name, unit in recorder.units.items() if name != "time"}
+        shown = self.shown
         curves = {}
         for name in filter(shown.__contains__, columns):
             values = table[:, recorder.columns.index(name)] * shown[name][1]
@@ -188,6 +195,10 @@ class Live(Observer):
             "frame": frame,
             "message": message,
             "ended": ended,
+            "axes": [axis_label(name, self.unit) for name in (view.names if view else "xy")],
+            "scale": self.scale,
+            "slice": view.place if view else "",
+            "sponge": view.sponge if view else None,
             "can_save": self.checkpoint is not None,
             "resume": f"nervure resume {session.folder} --live",
         }
@@ -206,11 +217,6 @@ class Live(Observer):
         """Note that a page got this answer."""
         if ended:
             self._seen.set()
-
-
-def there_and_back(line: np.ndarray) -> np.ndarray:
-    """Return an open line as an outline."""
-    return np.concatenate([line, line[::-1]])
 
 
 def thinned(values: np.ndarray) -> np.ndarray:

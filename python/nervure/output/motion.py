@@ -17,6 +17,7 @@ FLAT = 0.1  # Least extent of a view, relative to the largest
 ABOVE, FRONT, SIDE = (0, 1), (0, 2), (1, 2)  # Views, by the axes of space that they show
 NAMES = {ABOVE: "from above", FRONT: "from the front", SIDE: "from the side"}
 SCALE = "viridis"  # Colours of times
+PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}  # Behind a name that a path may cross
 
 
 class RodPicture:
@@ -41,7 +42,8 @@ class RodPicture:
             axis.set(ylim=self.scale * np.array([low[up], high[up]]))
             axis.set(xlabel=axis_label("xyz"[across], named), ylabel=axis_label("xyz"[up], named))
             if self.in_space:
-                axis.text(0.03, 0.97, NAMES[across, up], transform=axis.transAxes, va="top", fontsize="small")
+                look: dict[str, Any] = {"va": "top", "fontsize": "small", "zorder": 5, "bbox": PAPER}
+                axis.text(0.03, 0.97, NAMES[across, up], transform=axis.transAxes, **look)
         layout.label_outer(self.grid)
         if self.in_space:
             self.grid[0, 1].set_axis_off()

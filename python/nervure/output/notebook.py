@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nervure.output import axis_label, displayed_unit, in_words, plots
+from nervure.output import axis_label, displayed_unit, in_words, plots, unit_in
 from nervure.output.console import NotebookDisplay, shown_columns
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import Results
@@ -60,7 +60,7 @@ def curves(session: Session) -> Figure | None:
         return None
     figure = Figure(figsize=(plots.WIDTH, 2.6), layout="constrained")
     for axis, column, colour in zip(figure.subplots(1, len(columns)), columns, plots.COLOURS, strict=False):
-        unit, scale = displayed_unit(recorder.units[column], display)
+        unit, scale = unit_in(session.scene, recorder.units[column], 0.0)
         axis.plot(recorder.series["time"], scale * recorder.series[column], color=colour, linewidth=1.0)
         axis.set(xlabel=axis_label("time", displayed_unit("s", display)[0]))
         axis.set(ylabel=axis_label(in_words(column, session.scene), unit))

@@ -17,8 +17,8 @@ from nervure.evaluate import coefficients, flapping, statistics
 from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title
-from nervure.output.fields import outline, station_positions
+from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title, unit_in
+from nervure.output.fields import station_positions, wing_nodes
 from nervure.scene import Scene
 from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
@@ -37,13 +37,14 @@ FILTER_PERIODS = 1 / 25
 RAW, LIGHT = 0.6, 0.35  # Width and opacity of an unfiltered force
 WIDTH, DPI = 9.0, 150  # Width of a picture, in, and points an inch
 Ranges = Sequence[tuple[float, float]]  # Smallest and largest values of curves
+FORMATS = ("png", "svg", "pdf")
 PNG = {"compress_level": 3}  # Files a sixth larger, and a tenth less time for the start of a run, than by default
 
 
-def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
-    """Write tip.png, drag.png and lift.png, for the outputs that the runs have, with the published bands of the first
-    run's scene; of a single run coefficients.png and flapping.png too. Several runs are labelled by the names of their
-    folders, or by their paths where names are equal. Return the paths written."""
+def write(folder: Path, runs: Sequence[Results], form: str = "png") -> list[Path]:
+    """Write tip.png, drag.png and lift.png, or the same in another of `FORMATS`, for the outputs that the runs have,
+    with the published bands of the first run's scene; of a single run coefficients.png and flapping.png too. Several
+    runs are labelled by the names of their folders, or by their paths where names are equal. Return what is written."""
     first, *others = runs
     tips = [column for run in runs for own in run.facts.beams for column in (own.prefix + name for name in TIP)]
     tips += [name for run in runs if run.scene.wing for name in TIP]
@@ -53,8 +54,8 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
-    return written if others else [*written, *cylinder(folder, first), *driven_roots(folder, first)]
+            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.{form}"))
+    return written if others else [*written, *cylinder(folder, first, form), *driven_roots(folder, first, form)]
 
 
 def unit(name: str, scene: Scene) -> str:
@@ -77,7 +78,7 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
     for number, column in enumerate(columns):
         having = {label: run for label, run in runs.items() if column in run.series}
         known = next(iter(having.values()))
-        named, scale = _read_in(known.scene, known.units[column], known.series[column])
+        named, scale = unit_in(known.scene, known.units[column], float(np.abs(known.series[column]).max()))
         ranges, extremes = [], []
         for label, run in having.items():
             values = run.series[column] * scale
@@ -112,11 +113,6 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
         axes[0, 1].set_xlim(closer.begin, closer.end)
         axes[0, 1].locator_params(axis="x", nbins=4)
     return figure
-
-
-def _read_in(scene: Scene, unit: str | None, values: np.ndarray) -> tuple[str, float]:
-    """Return the unit in which a picture shows `values` in `unit`, and the factor to it."""
-    return lengths_in(scene, float(np.abs(values).max())) if unit == "m" else displayed_unit(unit, scene.display)
 
 
 def _filtered(run: Results, column: str) -> np.ndarray:
@@ -168,7 +164,7 @@ def _set_range(axis: Axes, ranges: Ranges, extremes: Ranges, named: str, margin:
         axis.set_title(beyond, loc="right", fontsize="small", color="0.4", pad=3)
 
 
-def cylinder(folder: Path, run: Results) -> list[Path]:
+def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
     """Write coefficients.png of a cylinder alone: cD and cL over time and, in a periodic flow, against each other, with
     published values. Return the paths written."""
     scale = coefficients.scale(run.facts)
@@ -209,12 +205,12 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
         source = run.scene.reference.source if run.scene.reference else ""
         keys.append(Line2D([], [], color="0.4", linestyle="--", linewidth=0.8, label=source))
     figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize="small")
-    return [save(figure, folder / "coefficients.png")]
+    return [save(figure, folder / f"coefficients.{form}")]
 
 
-def driven_roots(folder: Path, run: Results) -> list[Path]:
+def driven_roots(folder: Path, run: Results, form: str) -> list[Path]:
     """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
-    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.facts.beams}
+    of = {own.unit: (own, f"flapping-{own.unit}.{form}") for own in run.facts.beams}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
     alone = {"rod": run.summary.flapping}
     pictures = []
@@ -222,7 +218,7 @@ def driven_roots(folder: Path, run: Results) -> list[Path]:
         if found is not None:
             own, file = of[name]
             picture = driven_root(run, found, rod_columns(run.series, own))
-            pictures.append(save(picture, folder / (file if several else "flapping.png")))
+            pictures.append(save(picture, folder / (file if several else f"flapping.{form}")))
     return pictures
 
 
@@ -299,33 +295,40 @@ class Pictures(Observer):
 
 def vorticity(session: Session) -> Figure | None:
     """Draw the fluid as it is now, with still cylinders, and with bodies and beams in their places; None if the fluid
-    shows no field. In space it is the vorticity about z in the middle of the box."""
+    shows no field. In space it is the vorticity in a slice, about the axis across it."""
     scene, units = session.scene, session.units
-    field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
-    if field is None or scene.fluid is None:
+    if scene.fluid is None or "fluid" not in units:
         return None
-    if field.ndim == 3:  # the slice in the middle of the box along z
-        field = field[:, :, field.shape[2] // 2]
-    flat = [] if scene.fluid.box.z else session.facts.beams
-    corners = [outline(station_positions(units, own), session.facts.thickness[own.force]) for own in flat]
+    view = flow.View(scene)
+    field = units["fluid"].shown_field(view.component)
+    if field is None:
+        return None
+    beams = [
+        outline
+        for own in session.facts.beams
+        for outline in view.beam(station_positions(units, own), session.facts.thickness[own.force])
+    ]
     poses = [
         [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.pose(scene)]
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
-    solids = flow.outlines(scene, corners, poses)
-    limit = flow.colour_limit(scene, [(field, solids)])
-    figure, axes = flow.panels(scene, WIDTH)
+    mesh = session.facts.wing
+    shown = view.cut(field), view.outlines(beams, poses, (wing_nodes(units["wing"]), mesh.triangles) if mesh else None)
+    figure, axes = view.panels(WIDTH)
     figure.set_dpi(DPI)
-    picture = flow.Picture(axes[0, 0], scene, limit)
-    picture.show(field, solids)
-    picture.say(session.time, scene)
-    flow.colour_bar(figure, axes, picture.image, scene)
+    picture = flow.Picture(axes[0, 0], view, view.colour_limit([shown]))
+    picture.show(*shown)
+    picture.say(session.time)
+    flow.colour_bar(figure, axes, picture.image, view)
     return figure
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write a picture as PNG; return `path`."""
+    """Write a picture in the format that the suffix of `path` names, `FORMATS`; return `path`."""
     figure.set_dpi(DPI)
+    if path.suffix != ".png":
+        write_whole(path, lambda unfinished: figure.savefig(unfinished, format=path.suffix[1:]))
+        return path
     canvas = FigureCanvasAgg(figure)  # `savefig` would draw it twice
     write_whole(path, lambda unfinished: canvas.print_png(unfinished, pil_kwargs=PNG))
     return path

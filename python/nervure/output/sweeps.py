@@ -4,16 +4,19 @@ import json
 from collections.abc import Iterable, Sequence
 from math import log
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
 from nervure.errors import InputError
-from nervure.output import axis_label, displayed_unit, title
+from nervure.output import axis_label, displayed_unit, lengths_in, title, unit_in
 from nervure.scene import Scene, validate
 from nervure.simulation.sweep import FINISHED, Row, short_keys, short_value
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SHOWN = (
     ("thrust", "thrust", "N/m"),
@@ -31,6 +34,7 @@ SHOWN = (
 )
 """Columns of a sweep in table and picture, with their names and units in the picture."""
 
+GRID = "fluid.box.cells"
 PANELS = 4  # Largest number of quantities in table and picture
 DECADE = 10  # Ratio of the largest to the smallest value from which the axis is logarithmic
 NAMED = 8  # Largest number of names at an axis
@@ -76,8 +80,9 @@ def _digits(value: float | None) -> str:
     return "–" if value is None else f"{value:.4g}"
 
 
-def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
-    """Write sweep.png: the first quantities over the first varied key, a curve for each combination of the other keys
+def plot(folder: Path, rows: Sequence[Row], form: str = "png", target: Path | None = None) -> Path | None:
+    """Write sweep.png of the sweep in `folder`, there or into `target`, or the same in the format `form`: the first
+    quantities over the first varied key, or over the cell size of grids, a curve for each combination of the other keys
     that do not change together with it. Return its path; None where fewer than two runs are finished."""
     planned = rows
     rows = [row for row in rows if row["status"] == FINISHED]
@@ -85,63 +90,88 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
     if len(rows) < 2 or not found:
         return None
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
     from nervure.output import plots
 
     keys = varied(rows)
     short = short_keys(keys)
     first, others = (keys[0], keys[1:]) if keys else ("scene", [])
+    grid = next((key for key in keys if key == GRID or key.startswith(f"{GRID}.")), None)
+    if grid and _together(planned, first, grid):
+        first, others = grid, [key for key in keys if key != grid]
     if len({row["scene"] for row in rows}) > 1 and keys:
         others = ["scene", *others]
     others = [key for key in others if not _together(planned, first, key)]
-    numeric = all(isinstance(row[first], int | float) and not isinstance(row[first], bool) for row in rows)
-    places = list(dict.fromkeys(short_value(row[first]) for row in rows))
+    scenes = [_scene(folder, row) for row in rows]
+    scene = scenes[0] if len({row["scene"] for row in rows}) == 1 else None
+    values = [row[first] for row in rows]
+    label = short.get(first, first).replace("_", " ")
+    if first == grid and None not in scenes:
+        sizes = [_cell(known) for known in scenes if known]
+        unit, scale = lengths_in(scenes[0], max(sizes)) if scenes[0] else ("m", 1.0)
+        values, label = [scale * size for size in sizes], axis_label("cell size", unit)
+    numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+    places = list(dict.fromkeys(map(short_value, values)))
     columns = min(2, len(found))
     lines = -(-len(found) // columns)
     figure = Figure(figsize=(5 * columns, 3.2 * lines + 0.5), layout="constrained")
     axes = figure.subplots(lines, columns, squeeze=False)
-    curves: dict[str, list[Row]] = {}
-    for row in rows:
-        label = ", ".join(f"{short.get(key, key)} = {short_value(row[key])}" for key in others)
-        curves.setdefault(label, []).append(row)
+    curves: dict[str, list[tuple[Any, Row]]] = {}
+    for value, row in zip(values, rows, strict=True):
+        of = ", ".join(f"{short.get(key, key)} = {short_value(row[key])}" for key in others)
+        curves.setdefault(of, []).append((value if numeric else places.index(short_value(value)), row))
     for axis in axes.flat[len(found) :]:
         axis.set_visible(False)
-    scene = _scene(folder, rows)
     if scene:
         figure.suptitle(title(scene, 5 * columns), fontsize="medium")
     for axis, (name, words, unit) in zip(axes.flat, found, strict=False):
-        named, scale = displayed_unit(unit, scene.display if scene else None)
+        if scene and scene.fluid and scene.fluid.box.z:
+            unit = unit.removesuffix("/m") if unit.startswith("N") else unit
+        largest = max(abs(row[name]) for row in rows if row.get(name) is not None)
+        named, scale = unit_in(scene, unit, largest) if scene else displayed_unit(unit)
         for number, (curve, members) in enumerate(curves.items()):
-            having = [row for row in members if row.get(name) is not None]
-            x = [row[first] if numeric else places.index(short_value(row[first])) for row in having]
-            points = sorted(zip(x, (scale * row[name] for row in having), strict=True))
+            points = sorted((x, scale * row[name]) for x, row in members if row.get(name) is not None)
             colour, marker = plots.COLOURS[number % len(plots.COLOURS)], MARKERS[number % len(MARKERS)]
             axis.plot(*zip(*points, strict=True), color=colour, marker=marker, label=curve, **LINE) if points else None
-        if numeric and _spans_decade(row[first] for row in rows):
-            axis.set_xscale("log")
-            axis.xaxis.set_major_locator(FixedLocator(_apart(sorted({row[first] for row in rows}))))
-            axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short_value(float(value))))
-            axis.xaxis.set_minor_locator(NullLocator())
+        if numeric and _spans_decade(values):
+            _set_logarithmic(axis, sorted(set(values)))
         elif numeric:
             axis.locator_params(axis="x", nbins=6)
         else:
             every = -(-len(places) // NAMED)
             axis.set_xticks(range(0, len(places), every), places[::every], rotation=20, ha="right")
         axis.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
-        axis.set(xlabel=short.get(first, first).replace("_", " "), ylabel=axis_label(words, named))
+        axis.set(xlabel=label, ylabel=axis_label(words, named))
     if others:
         handles = axes.flat[0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside lower center", ncols=3, fontsize="small")
-    return plots.save(figure, folder / "sweep.png")
+    return plots.save(figure, (target or folder) / f"sweep.{form}")
 
 
-def _scene(folder: Path, rows: Sequence[Row]) -> Scene | None:
-    """Return the scene of the first run; None where the sweep has several scenes, or the file cannot be read."""
-    if len({row["scene"] for row in rows}) > 1:
-        return None
+def _set_logarithmic(axis: "Axes", values: Sequence[float]) -> None:
+    """Make the x axis logarithmic, with the lines of a decade behind the `values`, which are labelled."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
+
+    axis.set_xscale("log")
+    axis.xaxis.set_major_locator(FixedLocator(_apart(values)))
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short_value(float(value))))
+    axis.xaxis.set_minor_locator(LogLocator(subs=range(1, 10), numticks=100))
+    axis.xaxis.set_minor_formatter(NullFormatter())
+    axis.grid(axis="x", which="minor", color="0.88", linewidth=0.5)
+
+
+def _cell(scene: Scene) -> float:
+    """Return the longest side of a cell, m."""
+    assert scene.fluid, "cells are those of a fluid"
+    box = scene.fluid.box
+    ends = [end for end in (box.x, box.y, box.z) if end]
+    return max((high - low) / n for (low, high), n in zip(ends, box.cells, strict=True))
+
+
+def _scene(folder: Path, row: Row) -> Scene | None:
+    """Return the scene of a run; None where the file cannot be read."""
     try:
-        return validate(json.loads((folder / str(rows[0]["folder"]) / "scene.json").read_text(encoding="utf-8")))
+        return validate(json.loads((folder / str(row["folder"]) / "scene.json").read_text(encoding="utf-8")))
     except (OSError, ValueError, InputError):
         return None
 

@@ -21,17 +21,22 @@ FLAT = 0.15  # Least extent of the axes, relative to the largest
 LIGHT = np.array([0.3, -0.4, 0.87])  # Direction of the light
 DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
 ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
-VEIN, ROOT = 1.2, 2.4  # Widths of lines
+VEIN, ROOT, MESH = 1.2, 2.4, 0.15  # Widths of lines
+LABEL = 8.0  # Distance of the label of an axis, points
+CORNER, MEETING = 0.06, ((0, 1), (1, 1), (1, 0))  # Room without ticks where axes meet, and at which ends of x, y, z
+NOWHERE = np.empty((0, 3))
 TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, in turn
 
 
 class WingPicture:
-    """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, m."""
+    """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
+    its tip, `[times, 3]`, m."""
 
-    def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, width: float, edges: float = 0.15):
-        low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+    def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, path: np.ndarray, width: float):
+        everything = np.concatenate([points.reshape(-1, 3), path])
+        low, high = everything.min(axis=0), everything.max(axis=0)
         half = np.maximum(high - low, FLAT * (high - low).max()) / 2
-        named, self.scale = lengths_in(scene, float(np.abs(points).max()))
+        named, self.scale = lengths_in(scene, float(np.abs(everything).max()))
         self.mesh = mesh
         is_tall = bool(half[2] > half.max() / 2)
         self.figure = Figure(figsize=(width, (0.95 if is_tall else 0.62) * width))
@@ -40,13 +45,17 @@ class WingPicture:
         for i, axis in enumerate("xyz"):
             ends = self.scale * ((low + high) / 2 + np.array([[-1], [1]]) * half)[:, i]
             getattr(self.axes, f"set_{axis}lim")(*ends)
-            getattr(self.axes, f"set_{axis}label")(axis_label(axis, named), fontsize="small")
-            getattr(self.axes, f"{axis}axis").set_major_locator(layout.ticks(3 if half[i] < half.max() / 2 else 5))
+            getattr(self.axes, f"set_{axis}label")(axis_label(axis, named), fontsize="small", labelpad=LABEL)
+            low_end, high_end = ends
+            located = layout.ticks(3 if half[i] < half.max() / 2 else 5).tick_values(low_end, high_end)
+            room = CORNER * half.max() / half[i] * (high_end - low_end) * np.array(MEETING[i])
+            kept = [tick for tick in located if low_end + room[0] <= tick <= high_end - room[1]]
+            getattr(self.axes, f"set_{axis}ticks")(kept)
         self.axes.tick_params(labelsize="small")
         self.axes.set_proj_type("ortho")
         self.axes.set_box_aspect(half, zoom=0.88 if is_tall else 1.25)
         self.axes.view_init(elev=ABOVE, azim=ASIDE)
-        self.skin = Poly3DCollection([], linewidths=edges, edgecolors="0.35", zorder=1)
+        self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1)
         self.axes.add_collection3d(self.skin, autolim=False)
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
         self.root = self._line(ROOT, "0.15")
@@ -98,7 +107,7 @@ def tinted(colours: np.ndarray, materials: np.ndarray) -> np.ndarray:
 
 def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
     """Write mesh.png, the mesh of a wing at rest with root, veins and regions, into `folder`; return its path."""
-    picture = WingPicture(scene, mesh, mesh.nodes[None], plots.WIDTH)
+    picture = WingPicture(scene, mesh, mesh.nodes[None], NOWHERE, plots.WIDTH)
     picture.show(mesh.nodes)
     parts = [f"{len(mesh.nodes)} nodes", f"{len(mesh.triangles)} triangles", f"{len(mesh.veins)} veins"]
     assert scene.wing is not None, "the mesh is of a wing"
@@ -124,7 +133,7 @@ class Shape(Observer):
 def draw(session: Session, mesh: WingMesh) -> Figure:
     """Draw the wing of a session as it is now."""
     points = wing_nodes(session.units["wing"])
-    picture = WingPicture(session.scene, mesh, points[None], plots.WIDTH)
+    picture = WingPicture(session.scene, mesh, points[None], NOWHERE, plots.WIDTH)
     picture.show(points)
     picture.said.set_text(f"t = {session.time:.3f} {picture.clock}")
     return picture.figure
