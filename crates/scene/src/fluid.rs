@@ -318,6 +318,7 @@ impl Check for Fluid {
             });
             self.check_place(&format!("{key}.position"), &probe.position, faults);
         }
+        let ends: Vec<_> = self.r#box.ends().collect();
         for (i, body) in self.bodies.iter().enumerate() {
             let key = format!("{key}.bodies[{i}]");
             self.check_place(&format!("{key}.position"), &body.position, faults);
@@ -328,25 +329,7 @@ impl Check for Fluid {
             });
             let holds = body.shape.line().is_none() || self.time_stepping.scheme == TimeScheme::Sbdf2;
             faults.require(holds, &format!("{key}.shape"), "a line", || "a line needs the scheme sbdf2".into());
-            if let Some(mount) = body.mount.as_ref().filter(|_| !self.is_space()) {
-                let displaced = self.density * body.shape.area();
-                let round = matches!(body.shape, Shape::Circle { .. }) || mount.x.or(mount.y).is_none();
-                faults.require(round || mount.mass >= displaced, &format!("{key}.mount.mass"), mount.mass, || {
-                    format!(
-                        "a body on springs that is no circle must weigh at least as much as the fluid it displaces, \
-                         {displaced:.6}"
-                    )
-                });
-                let (inertia, displaced) = (mount.inertia.unwrap_or(0.0), self.density * body.polar_moment());
-                let fits = mount.angle.is_none() || matches!(body.shape, Shape::Circle { .. }) || inertia >= displaced;
-                // A missing moment of inertia is a fault of its own.
-                faults.require(fits || mount.inertia.is_none(), &format!("{key}.mount.inertia"), inertia, || {
-                    format!(
-                        "a body on springs that is no circle must have at least the moment of inertia of the fluid it \
-                         displaces, {displaced:.6}"
-                    )
-                });
-            }
+            body.check_mass(&format!("{key}.mount"), self.density, &ends, faults);
         }
         check_mask(&self.mask, &format!("{key}.mask"), &self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);

@@ -6,8 +6,8 @@ the seam of the periodic box, the bare series rings with a wavelength of two to 
 values.
 """
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,8 +17,9 @@ from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, space, title
-from nervure.scene import Scene, solids
-from nervure.scene.outline import POSE, body_outline, circle
+from nervure.scene import Scene
+from nervure.scene.outline import body_outline, circle
+from nervure.scene.solids import pose_names
 from nervure.scene.types import Fluid
 
 PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
@@ -26,11 +27,12 @@ LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the 
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
 
+Value = TypeVar("Value")
 Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n, 2]`
 
 
 def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> list[np.ndarray]:
-    """Return the outlines of the still cylinders, of the bodies at `poses` (m and rad, see `pose`) and of `beams`, in
+    """Return the outlines of the still cylinders, of the bodies at `poses` (m and rad, see `poses`) and of `beams`, in
     space those in the plane that pictures show."""
     fluid = _fluid(scene)
     if fluid.box.z:
@@ -40,9 +42,11 @@ def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> l
     return [*found, *(body_outline(body, *pose) for body, pose in zip(fluid.bodies, poses, strict=False)), *beams]
 
 
-def pose(scene: Scene) -> tuple[str, ...]:
-    """Return the outputs of the fluid for the place of a rigid body."""
-    return solids.POSE if _fluid(scene).box.z else POSE
+def poses(scene: Scene, read: Callable[[str], Value]) -> list[list[Value]]:
+    """Return what `read` gives of the outputs for the place of each rigid body, by their names."""
+    fluid = _fluid(scene)
+    bodies = enumerate(fluid.bodies, 1)
+    return [[read(f"body[{i}].{part}") for part in pose_names(fluid, body)] for i, body in bodies]
 
 
 def panels(

@@ -20,9 +20,9 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 
 from nervure.output import displayed_unit, fields, flow, title
-from nervure.scene.types import Fluid
 from nervure.simulation.checkpoint import Checkpoint
 from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.recorder import column
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
@@ -135,7 +135,7 @@ class Live(Observer):
         if mesh := session.facts.wing:
             nodes = fields.wing_nodes(units["wing"])
             seen += [nodes[mesh.edge()], *(there_and_back(nodes[vein]) for vein in mesh.veins)]
-        solids = flow.outlines(scene, beams, self._poses(fluid)) if fluid else beams
+        solids = flow.outlines(scene, beams, self._poses()) if fluid else beams
         solids = [*solids, *(line[:, :2] for line in seen)]
         frame: dict[str, Any] = {"time": session.time, "solids": [outline.tolist() for outline in solids]}
         if name and fluid:
@@ -149,12 +149,11 @@ class Live(Observer):
             frame |= {"view": flow.view(fluid), "values": base64.b64encode(values.tobytes()).decode()}
         return frame
 
-    def _poses(self, fluid: Fluid) -> list[list[float]]:
-        """Return the last recorded position (m) and angle (rad) of each body."""
+    def _poses(self) -> list[list[float]]:
+        """Return the last recorded position (m) and angle or rotation vector (rad) of each body."""
         recorder = self.session.recorder
         row = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
-        bodies = range(1, len(fluid.bodies) + 1)
-        return [[row.get(f"body_{i}_{part}", 0.0) for part in flow.pose(self.session.scene)] for i in bodies]
+        return flow.poses(self.session.scene, lambda name: row.get(column(name), 0.0))
 
     def state(self, columns: list[str], field: str) -> dict[str, Any]:
         """Return what the page shows: the curves of `columns` and, once the run has made it, a frame of `field`."""

@@ -308,10 +308,7 @@ def vorticity(session: Session) -> Figure | None:
         field = field[:, :, field.shape[2] // 2]
     flat = [] if scene.fluid.box.z else session.facts.beams
     corners = [outline(station_positions(units, own), session.facts.thickness[own.force]) for own in flat]
-    poses = [
-        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.pose(scene)]
-        for i, _ in enumerate(scene.fluid.bodies, 1)
-    ]
+    poses = flow.poses(scene, lambda name: float(units["fluid"].read(name)[0]))
     solids = flow.outlines(scene, corners, poses)
     limit = flow.colour_limit(scene, [(field, solids)])
     figure, axes = flow.panels(scene, WIDTH)
