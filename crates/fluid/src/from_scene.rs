@@ -62,7 +62,7 @@ where
 {
     let step = scene.time.communication_step;
     let (channel, time) = (fluid.channel.as_ref(), &fluid.time_stepping);
-    let walls = channel.map_or([None; 3], |channel| [channel.x, Some(channel.y), channel.z]);
+    let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
     Parameters {
         initial_velocity: components(&fluid.initial_velocity),

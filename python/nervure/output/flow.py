@@ -140,7 +140,7 @@ def _free(scene: Scene, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
     x, y = (np.linspace(*ends, n, endpoint=False) for ends, n in zip((fluid.box.x, fluid.box.y), shape, strict=True))
     layer = LAYER * max(x[1] - x[0], y[1] - y[0])
     wall, side = (
-        layer if fluid.channel and walls else 0.0 for walls in (fluid.channel, fluid.channel and fluid.channel.x)
+        layer if walls else 0.0 for walls in (fluid.channel and fluid.channel.y, fluid.channel and fluid.channel.x)
     )
     along = (x >= left + side) & (x <= right - side)
     free: np.ndarray = np.logical_and.outer(along, (y >= bottom + wall) & (y <= top - wall))
@@ -169,7 +169,6 @@ def _fluid(scene: Scene) -> Fluid:
 
 def view(fluid: Fluid) -> tuple[float, float, float, float]:
     """Return left, right, lower and upper end of a picture, m: the channel behind the inflow zone, or the box."""
-    (x0, x1), (y0, y1) = (fluid.channel and fluid.channel.x) or fluid.box.x, fluid.box.y
+    (x0, x1), (bottom, top) = ((fluid.channel and getattr(fluid.channel, a)) or getattr(fluid.box, a) for a in "xy")
     left = fluid.inflow.x[1] if fluid.inflow else x0
-    bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
     return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
