@@ -239,8 +239,8 @@ fn a_plate_on_springs_obeys_the_force() {
         let period = crossings[2] - crossings[0];
         assert!((period - 1.0).abs() < 0.05, "mass {mass}: {period}");
     }
-    let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "gravity": [0.3, -0.2], "x": {}, "y": { "stiffness": 50 },
-        "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
+    let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "gravity": [0.3, -0.2],
+        "x": {}, "y": { "stiffness": 50 }, "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
     let mut plate = plate(4.0, 24, mount, r#", "initial_velocity": [0.5, 0.1]"#);
     let mut rates = Vec::new();
     for _ in 0..30 {

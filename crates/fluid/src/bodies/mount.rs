@@ -7,10 +7,11 @@
 //! M V' = D + B V' + (B − M) gyroscopic − damping V − stiffness (X − rest) + (M − B) g
 //! ```
 //!
-//! in gravity g, which acts on the mass at the pivot and on the displaced fluid at its centroid, and with the accelerations that a constant angular velocity asks for as the gyroscopic term: `m_d omega × (omega × r)`
-//! for that fluid with its centroid at `r` from the pivot, and in space `omega × I omega`. V' and X' are the two-step
-//! backward differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is
-//! implicit in the drag, and the fluid gets the momentum that the body loses.
+//! in gravity g, which acts on the mass at the pivot and on the displaced fluid at its centroid, and with the
+//! accelerations that a constant angular velocity asks for as the gyroscopic term: `m_d omega × (omega × r)` for that
+//! fluid with its centroid at `r` from the pivot, and in space `omega × I omega`. V' and X' are the two-step backward
+//! differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is implicit
+//! in the drag, and the fluid gets the momentum that the body loses.
 //!
 //! A light body would be unstable, because the fluid around it answers with the pressure of the next step only. So
 //! `K (V' − V'_before)` is added to `M V'`, with the virtual mass K that a body lacks to [`LEAST_MASS`]; heavier bodies
