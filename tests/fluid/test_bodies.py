@@ -164,6 +164,27 @@ def test_a_body_on_springs_has_its_numbers_and_its_response(carried, tmp_path):
     assert (main.name, main.drive) == ("displacement", None) and np.abs(main.values) == pytest.approx(np.abs(y + 0.2))
 
 
+def test_walls_across_x_are_walls_across_y_turned(carried):
+    """A circle beside the middle of a channel falls or rises alike along the channel."""
+    places = []
+    for along, across in ("xy", "yx"):
+        order = [0, 1] if along == "x" else [1, 0]
+        mount = {"mass": 0.05, along: {}, across: {}, "gravity": [[3.0, 0.0][axis] for axis in order]}
+        place = [[0.0, 0.05][axis] for axis in order]
+        carried["fluid"] |= {
+            "box": {"x": [-0.5, 0.5], "y": [-0.5, 0.5], "cells": [40, 40]},
+            "channel": {across: [-0.4, 0.4]},
+            "initial_velocity": [0.0, 0.0],
+            "bodies": [{"shape": {"circle": {"radius": 0.1}}, "position": place, "mount": mount}],
+        }
+        with Session(validate(carried | {"time": carried["time"] | {"end": 0.1}})) as session:
+            session.run()
+            series = session.recorder.series
+        places.append([series[f"body_1_{axis}"] for axis in (along, across)])
+    assert places[0][0][-1] > 2e-3 and abs(places[0][1][-1] - 0.05) < 2e-3
+    assert np.array(places[1]) == pytest.approx(np.array(places[0]), abs=1e-9)
+
+
 def test_a_cylinder_on_a_spring_locks_in():
     """The shipped scene on ten cells a diameter, in a third of the box: there the amplitude is 0.536 at 0.194 Hz. The
     spring has 0.2 Hz, a cylinder at rest would shed at 0.18 to 0.19 Hz. Without damping no power is left over."""

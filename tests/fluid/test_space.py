@@ -15,9 +15,11 @@ from PIL import Image
 from nervure import api, load
 from nervure.errors import SceneError, UnitError
 from nervure.output import flow, space, vortices
+from nervure.output.animation import Frames
 from nervure.scene import validate
-from nervure.scene.solids import rotation
+from nervure.scene.solids import PLACE, TURN, placed, rotation
 from nervure.simulation.results import FLUID_FIELDS
+from nervure.simulation.session import Session
 from nervure.units.fmu import read_description
 from tests.conftest import TOOL
 
@@ -231,6 +233,49 @@ def test_an_animation_in_space_has_slices_and_vortices(run, monkeypatch, capsys)
     capsys.readouterr()
     assert not {"vortices.gif"} & {path.name for path in found.animate(0.07)}
     assert "-m pip install pyvista`" in capsys.readouterr().err
+
+
+def test_a_body_that_falls_and_turns_is_shown_where_it_is(libraries, tmp_path):
+    """A long cuboid falls freely, and a spring turns it about z; pictures cut it where the fluid has it."""
+    mount = {"mass": 1.0, "inertia": [0.4, 0.5, 0.3], "y": {}, "angle_z": {"stiffness": 60.0, "rest": 0.8}}
+    body = {"shape": {"cuboid": {"lengths": [0.8, 0.3, 0.6]}}, "position": [0.0, 0.3, 0.0]}
+    scene = changed(bodies=[body | {"mount": mount | {"gravity": [0.0, -9.0, 0.0]}}], mean_flow={}, probes=[])
+    scene["fluid"]["initial_velocity"], scene["time"]["end"] = [0.0, 0.0, 0.0], 0.2
+    done = api.run(validate(scene), tmp_path / "run", fields_every=0.1, quiet=True)
+    series, numbers = done.series, done.summary.dimensionless
+    y, angle = series["body_1_y"], series["body_1_angle_z"]
+    # It falls no faster than under its weight less that of the fluid, without the fluid that it takes along.
+    assert 0.05 < 0.3 - y[-1] < 0.5 * 9.0 * (1 - 2 * 0.144) * 0.2**2 and 0.8 < angle[-1] < 1.6
+    assert (series["body_1_x"] == 0.0).all() and not series["body_1_angle_x"].any()
+    assert numbers.mounts["body_1"].mass_ratio == pytest.approx(1 / 0.288)
+    assert numbers.mounts["body_1"].supports["angle_z"].natural_frequency == pytest.approx(200**0.5 / (2 * np.pi))
+    assert numbers.velocity_of == "fall of body 1" and {"body_1_y", "body_1_vy"} <= {*done.summary.quantities}
+    frames = Frames(tmp_path / "run")
+    (outline,) = frames.solids(len(frames.times) - 1)
+    turn = rotation([0, 0, 1], angle[-1])[:2, :2]
+    corners = np.array([(0.4, 0.15), (-0.4, 0.15), (-0.4, -0.15), (0.4, -0.15)]) @ turn.T + [0.0, y[-1]]
+    for found, expected in ((outline.min(axis=0), corners.min(axis=0)), (outline.max(axis=0), corners.max(axis=0))):
+        assert found == pytest.approx(expected, abs=5e-3)
+
+
+def test_the_master_moves_a_body_in_space(libraries):
+    """By a rotation vector about an oblique axis: the unit and the pictures turn the body alike."""
+    axis = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0]
+
+    def drive(t):
+        return [0.1 * t, 0.0, t, *(3 * t * along for along in axis), 0.1, 0.0, 1.0, *(3 * along for along in axis)]
+
+    scene = changed(bodies=[SPHERE["fluid"]["bodies"][0] | {"motion": "master"}])
+    with Session(validate(scene), drive=drive) as session:
+        unit = session.units["fluid"]
+        names = [f"body[1].motion.{part}" for part in (*PLACE, *TURN)]
+        names += [f"body[1].motion.{part}" for part in ("vx", "vy", "vz", "omega_x", "omega_y", "omega_z")]
+        assert [name for name in unit.variables if ".motion." in name] == names
+        session.run()
+        (pose,) = flow.poses(session.scene, lambda name: float(unit.read(name)[0]))
+    assert pose == pytest.approx([0.01, 0.0, 0.1, *(0.3 * along for along in axis)])
+    turn, origin = placed(session.scene.fluid.bodies[0], pose)
+    assert turn == pytest.approx(rotation(axis, 0.3)) and origin == pytest.approx([0.01, 0.0, 0.1])
 
 
 def test_q_is_that_of_a_vortex_and_of_a_strain():

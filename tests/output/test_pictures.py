@@ -152,6 +152,7 @@ def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
     (cylinder,) = scene.fluid.cylinders
     cell = max((x1 - x0) / nx, (y1 - y0) / ny)
     from_cylinder = np.hypot(x - cylinder.center[0], y - cylinder.center[1]) - cylinder.radius
+    assert scene.fluid.channel.y
     low, high = scene.fluid.channel.y
     near = (from_cylinder < 1.9 * cell) | (y < low + 1.9 * cell) | (y > high - 1.9 * cell)
     field = np.where(near, 1000.0, 1.0)

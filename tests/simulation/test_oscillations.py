@@ -49,7 +49,7 @@ def warnings(scene, axes):
     """Return the warnings after each check of a run."""
     scene = validate(scene)
     grid = TimeGrid(CHECKS * scene.time.communication_step, scene.time.communication_step)
-    monitor = GridOscillationMonitor(scene.fluid, Waves(axes), grid)
+    monitor = GridOscillationMonitor(scene.fluid, cast(Unit, Waves(axes)), grid)
     return [monitor.check(step, 0.0, ()) for step in range(1, CHECKS + 1)]
 
 

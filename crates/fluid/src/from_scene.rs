@@ -62,7 +62,7 @@ where
 {
     let step = scene.time.communication_step;
     let (channel, time) = (fluid.channel.as_ref(), &fluid.time_stepping);
-    let walls = channel.map_or([None; 3], |channel| [channel.x, Some(channel.y), channel.z]);
+    let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
     Parameters {
         initial_velocity: components(&fluid.initial_velocity),
@@ -181,14 +181,18 @@ where
     })
 }
 
-/// Return springs and dampers; a mount of the plane supports x, y and the angle.
+/// Return springs and dampers.
 fn mount<const D: usize>(mount: &scene::Mount) -> Mount<D>
 where
     [f64; D]: Space<D>,
 {
-    let own = mount.supports();
-    let inertia = <[f64; D]>::inertia([mount.inertia.unwrap_or_default(); 3]);
-    Mount { mass: mount.mass, inertia, supports: std::array::from_fn(|i| own.get(i).copied().flatten()) }
+    let mut supports = mount.supports(D == 3).map(|(_, support)| support);
+    Mount {
+        mass: mount.mass,
+        inertia: <[f64; D]>::inertia(mount.inertias()),
+        supports: std::array::from_fn(|_| supports.next().flatten()),
+        gravity: components(&mount.gravity),
+    }
 }
 
 fn shape(shape: &scene::Shape) -> Arc<dyn Shape<2>> {

@@ -140,6 +140,8 @@ where
     /// Spring and damper along each axis, then about z in the plane or each axis in space; absent in a direction in
     /// which the body cannot move.
     pub supports: [Option<Support>; 6],
+    /// Gravity, m/s². The fluid carries the body with the weight of what it displaces.
+    pub gravity: [f64; D],
 }
 
 /// A body with nodes that are set from outside: a beam or rod from root to tip, or a wing.

@@ -21,10 +21,10 @@ fn scene(body: &str, flow: &str, nu: f64, cells: usize) -> Scene {
     Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// An ellipse that moves in all three directions about a pivot aside, in a stream.
+/// An ellipse that moves in all three directions about a pivot aside, in a stream and in gravity.
 fn ellipse(scene_of: impl FnOnce(&mut Scene)) -> Fluid {
     let body = r#"{ "shape": { "ellipse": { "length": 1.2, "thickness": 0.8 } }, "position": [0.02, 0.01],
-        "pivot": [-0.2, 0.05], "angle": 0.3, "mount": { "mass": 1.5, "inertia": 0.4,
+        "pivot": [-0.2, 0.05], "angle": 0.3, "mount": { "mass": 1.5, "inertia": 0.4, "gravity": [0.2, -0.4],
         "x": { "stiffness": 3.0, "damping": 0.1 }, "y": { "stiffness": 2.0, "damping": 0.2, "rest": 0.05 },
         "angle": { "stiffness": 0.5, "damping": 0.05, "rest": -0.2 } } }"#;
     let mut scene = scene(body, r#""initial_velocity": [0.6, 0.1],"#, 5e-3, 96);
@@ -78,8 +78,9 @@ fn a_circle_on_a_spring_has_period_and_damping_of_stokes() {
     }
 }
 
-/// The reported force and moment are those under which the body moves, and the force is what the fluid loses of its
-/// momentum with the rate of the momentum of the fluid that the body displaces.
+/// The reported force and moment are those under which the body moves, with its weight less that of the fluid that it
+/// displaces, at the centroid; and the force is what the fluid loses of its momentum with the rate of the momentum of the
+/// fluid that the body displaces.
 #[test]
 fn body_and_fluid_exchange_their_momentum() {
     let h = 0.02;
@@ -87,9 +88,10 @@ fn body_and_fluid_exchange_their_momentum() {
     let momentum =
         |fluid: &Fluid| [0, 1].map(|axis| fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
     let rates = |pose: &Pose| [pose.velocity[0], pose.velocity[1], pose.omega];
-    let mut known = Vec::new();
+    let (mut known, mut angle) = (Vec::new(), 0.0);
     for _ in 0..25 {
         known.push((momentum(&fluid), rates(&fluid.pose(0))));
+        angle = fluid.pose(0).angle;
         run(&mut fluid, 1, h);
     }
     let [.., (lost_before, v_before), (lost, v)] = known.as_slice() else { unreachable!() };
@@ -100,14 +102,19 @@ fn body_and_fluid_exchange_their_momentum() {
     let displaced = [pose.position[0] - 0.02, pose.position[1] - 0.01, pose.angle - 0.3];
     let on_springs = [3.0 * displaced[0], 2.0 * (displaced[1] - 0.05), 0.5 * (displaced[2] + 0.2)];
     let scale = force.force[0].hypot(force.force[1]);
+    // The centroid of the displaced fluid.
+    let arm_at = |angle: f64| [0.2 * angle.cos() + 0.05 * angle.sin(), 0.2 * angle.sin() - 0.05 * angle.cos()];
+    let mass = PI * 0.6 * 0.4;
+    // The moment is that where the body was expected.
+    let there = arm_at(angle + h * (1.5 * v[2] - 0.5 * v_before[2]));
+    let weight = [(1.5 - mass) * 0.2, (1.5 - mass) * -0.4, mass * (0.4 * there[0] + 0.2 * there[1])];
     for i in 0..3 {
         let expected = [1.5, 1.5, 0.4][i] * acceleration[i] + [0.1, 0.2, 0.05][i] * now[i] + on_springs[i];
-        let found = [force.force[0], force.force[1], force.moment][i];
+        let found = [force.force[0], force.force[1], force.moment][i] + weight[i];
         assert!((found - expected).abs() < 1e-9 * scale, "direction {i}: {found} against {expected}");
     }
-    // The centroid of the displaced fluid, and the centripetal force with the velocity that was expected.
-    let ((sin, cos), mass) = (pose.angle.sin_cos(), PI * 0.6 * 0.4);
-    let arm = [0.2 * cos + 0.05 * sin, 0.2 * sin - 0.05 * cos];
+    // The centripetal force has the velocity that was expected.
+    let arm = arm_at(pose.angle);
     let omega = 2.0 * v[2] - v_before[2];
     let swing = [-acceleration[2] * arm[1], acceleration[2] * arm[0]];
     for axis in 0..2 {

@@ -194,7 +194,7 @@ fn a_plate_has_its_added_mass_and_moment_of_inertia() {
 }
 
 /// A plate on springs has the period of its mass and the added one, however light it is, with at least the mass of the
-/// layer that moves with it; and the reported force moves it, also about a pivot aside.
+/// layer that moves with it; and the reported force and its whole weight move it, also about a pivot aside.
 #[test]
 fn a_plate_on_springs_obeys_the_force() {
     let (h, [added, _]) = (0.01, added(4.0, 24));
@@ -215,8 +215,8 @@ fn a_plate_on_springs_obeys_the_force() {
         let period = crossings[2] - crossings[0];
         assert!((period - 1.0).abs() < 0.05, "mass {mass}: {period}");
     }
-    let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "x": {}, "y": { "stiffness": 50 },
-        "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
+    let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "gravity": [0.3, -0.2],
+        "x": {}, "y": { "stiffness": 50 }, "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
     let mut plate = plate(4.0, 24, 0.0, mount, r#", "initial_velocity": [0.5, 0.1]"#);
     let mut rates = Vec::new();
     for _ in 0..30 {
@@ -228,8 +228,8 @@ fn a_plate_on_springs_obeys_the_force() {
     let rate = |i: usize| (1.5 * rates[29][i] - 2.0 * rates[28][i] + 0.5 * rates[27][i]) / h;
     let (on_plate, pose) = (plate.force_on_body(0), plate.pose(0));
     for (found, expected) in [
-        (20.0 * rate(0), on_plate.force[0]),
-        (20.0 * rate(1), on_plate.force[1] - 50.0 * pose.position[1]),
+        (20.0 * (rate(0) - 0.3), on_plate.force[0]),
+        (20.0 * (rate(1) + 0.2), on_plate.force[1] - 50.0 * pose.position[1]),
         (3.0 * rate(2), on_plate.moment - 40.0 * (pose.angle - 0.5 * PI - 0.1) - pose.omega),
     ] {
         assert!((found - expected).abs() < 1e-6 * on_plate.force[0].abs(), "{found} against {expected}");

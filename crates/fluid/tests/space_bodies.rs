@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use nervure_fluid::{
     Extent, Filter, Flexible, Fluid, Law, Motion, Mount, Outline, Precision, Shape, Solid, Support, Turn, Zone,
 };
+use rustfft::num_complex::Complex64;
 use scene::{Scene, WingMesh};
 
 type Body = nervure_fluid::Body<3>;
@@ -91,7 +92,7 @@ fn a_long_cylinder_on_springs_is_a_circle_on_springs() {
     let mut flat = nervure_fluid::Parameters::new([[0.0, 1.0]; 2], [cells; 2], 3.0, 2e-3, h);
     (flat.initial_velocity, flat.filter) = ([0.6, 0.2], Filter::TwoThirds);
     let supports = [stiff(1.0), soft(1.0), twist(1.0), None, None, None];
-    let mount = Mount { mass: 0.15, inertia: 2e-3, supports };
+    let mount = Mount { mass: 0.15, inertia: 2e-3, supports, gravity: [0.3, -0.2] };
     flat.bodies = vec![nervure_fluid::Body {
         pivot: [0.03, -0.02],
         motion: Some(Motion::Mount(mount)),
@@ -115,7 +116,7 @@ fn a_long_cylinder_on_springs_is_a_circle_on_springs() {
         }
         supports[3 + (turn + 2) % 3] = twist(depth);
         let inertia = Matrix3::from_diagonal(&place([1.0, 1.0, depth * 2e-3]).into());
-        let mount = Mount { mass: depth * 0.15, inertia, supports };
+        let mount = Mount { mass: depth * 0.15, inertia, supports, gravity: place([0.3, -0.2, 0.0]) };
         let along = (turn + 2) % 3;
         deep.bodies = vec![Body {
             pivot: place([0.03, -0.02, 0.0]),
@@ -135,6 +136,90 @@ fn a_long_cylinder_on_springs_is_a_circle_on_springs() {
         }
         assert!((other.angle[along] - one.angle).abs() < 1e-8, "{turn}: {other:?} beside {one:?}");
         assert!((other.omega[along] - one.omega).abs() < 1e-7, "{turn}: {other:?} beside {one:?}");
+    }
+}
+
+/// Length of the periodic box around a sphere of the diameter 1, m.
+const BOX: f64 = 3.2;
+
+/// Return the mass that the sphere displaces in a fluid of the density 1, and the one that it takes along, half of the
+/// former by `(1 + 2q)/(1 − q)` for the images of the sphere, which fills the share q of the box.
+fn masses() -> (f64, f64) {
+    let (displaced, share) = (PI / 6.0, PI / 6.0 / BOX.powi(3));
+    (displaced, 0.5 * displaced * (1.0 + 2.0 * share) / (1.0 - share))
+}
+
+/// The sphere on a support along y in fluid of the viscosity `nu`, at rest.
+fn sphere(mass: f64, support: Support, gravity: f64, nu: f64) -> Fluid<3> {
+    let mut parameters = Parameters::new([[-0.5 * BOX, 0.5 * BOX]; 3], [32; 3], 1.0, nu, 0.04);
+    parameters.mean_flow = Some([0, 1, 2].map(|_| Law::constant(0.0)));
+    let supports = [None, Some(support), None, None, None, None];
+    let mount = Mount { mass, inertia: Matrix3::identity(), supports, gravity: [0.0, -gravity, 0.0] };
+    let body = still(Solid::Sphere(0.5), [0.01, 0.02, 0.03]);
+    parameters.bodies = vec![Body { motion: Some(Motion::Mount(mount)), ..body }];
+    made(&parameters)
+}
+
+/// Period and damping of a sphere on a spring in still fluid are those of Stokes (1851): at the complex rate s the force
+/// is `−(m s + 6 pi mu R (1 + R √(s/nu))) v` with the mass m that it takes along.
+#[test]
+fn a_sphere_on_a_spring_has_period_and_damping_of_stokes() {
+    let ((displaced, added), nu, h) = (masses(), 0.04, 0.04);
+    let mass = 2.0 * displaced;
+    let stiffness = (TAU / 4.0_f64).powi(2) * (mass + added);
+    let mut rate = Complex64::new(0.0, TAU / 4.0);
+    for _ in 0..100 {
+        let drag = 3.0 * PI * nu * (1.0 + 0.5 * (rate / nu).sqrt());
+        rate = Complex64::i() * (stiffness / (mass + added + drag / rate)).sqrt();
+    }
+    let (period, expected) = (TAU / rate.im, -rate.re / rate.im);
+    let mut fluid = sphere(mass, Support { stiffness, damping: 0.0, rest: -0.05 }, 0.0, nu);
+    let (mut crossings, mut extremes, mut last) = (Vec::new(), Vec::new(), (0.05, 0.0));
+    while crossings.len() < 4 {
+        let t = fluid.time();
+        fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        let pose = fluid.pose(0);
+        let now = (pose.position[1] + 0.03, pose.velocity[1]);
+        if last.0 * now.0 < 0.0 {
+            crossings.push(fluid.time() - h * now.0 / (now.0 - last.0));
+        }
+        if last.1 * now.1 < 0.0 {
+            extremes.push(now.0.abs());
+        }
+        last = now;
+    }
+    let found = crossings[3] - crossings[1];
+    let damping = (extremes[0] / extremes[2]).ln() / TAU;
+    println!("period {found:.4} by {period:.4}, damping {damping:.4} by {expected:.4}");
+    assert!((found / period - 1.0).abs() < 0.02, "period {found} by {period}");
+    assert!((damping / expected - 1.0).abs() < 0.1, "damping {damping} by {expected}");
+}
+
+/// A sphere that gravity sets in motion gains speed by the equation of Basset (1888),
+/// `(M + m) v' = (M − B) g − 6 pi mu R (v + R/√(pi nu) ∫ v'(s)/√(t − s) ds)`, with the displaced mass B and the mass m
+/// that it takes along; a light one rises.
+#[test]
+fn a_sphere_falls_and_rises_as_by_basset() {
+    let ((displaced, added), nu, h, steps) = (masses(), 0.05, 0.04, 30);
+    for ratio in [2.0, 0.5] {
+        let (weight, drag, mass) = ((ratio - 1.0) * displaced * 0.1, 3.0 * PI * nu, ratio * displaced);
+        let (fine, mut rates, mut expected) = (0.1 * h, Vec::new(), 0.0);
+        for n in 0..10 * steps {
+            // The history of a constant rate in the interval k before this one.
+            let kernel = |k: usize| (fine / (PI * nu)).sqrt() * (((k + 1) as f64).sqrt() - (k as f64).sqrt());
+            let history: f64 = rates.iter().enumerate().map(|(j, rate)| rate * kernel(n - j)).sum();
+            let rate = (weight - drag * (expected + history)) / (mass + added + drag * (kernel(0) + fine));
+            rates.push(rate);
+            expected += fine * rate;
+        }
+        let mut fluid = sphere(mass, Support { stiffness: 0.0, damping: 0.0, rest: 0.0 }, 0.1, nu);
+        for _ in 0..steps {
+            let t = fluid.time();
+            fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        }
+        let found = -fluid.pose(0).velocity[1];
+        println!("mass ratio {ratio}: {found:.5} m/s by {expected:.5}");
+        assert!((found / expected - 1.0).abs() < 0.06, "mass ratio {ratio}: {found} by {expected}");
     }
 }
 

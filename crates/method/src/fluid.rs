@@ -189,7 +189,7 @@ pub enum Surface {
     Mask,
 }
 
-/// Spring and damper in parallel, per metre of depth.
+/// Spring and damper in parallel, in two dimensions per metre of depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "scene", derive(Serialize, Deserialize, JsonSchema), serde(deny_unknown_fields))]
 pub struct Support {

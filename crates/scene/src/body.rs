@@ -5,12 +5,13 @@ use geometry::plane::Outline;
 use geometry::space::Solid;
 use geometry::vector::{dot, norm, turned};
 use geometry::{Chain, Placed, Surface, lies_on, meets};
-use method::{Axis, Support};
+use method::Axis;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Check, Fault, Faults};
+use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
+use crate::mount::Mount;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -58,28 +59,6 @@ pub enum BodyDrive {
 pub enum ByMaster {
     /// The master sets displacement, angle and their rates at the end of each communication step.
     Master,
-}
-
-/// Mass of a body, whose centre is the pivot, and its supports. It is held in the directions that are absent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Mount {
-    /// Mass, kg per metre of depth.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub mass: f64,
-    /// Moment of inertia about the pivot, kg m² per metre of depth; needed with `angle`, and absent without it.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub inertia: Option<f64>,
-    /// Support along x; absent where the body is held.
-    #[serde(default)]
-    pub x: Option<Support>,
-    /// Support along y; absent where the body is held.
-    #[serde(default)]
-    pub y: Option<Support>,
-    /// Support about the pivot; absent where the body is held.
-    #[serde(default)]
-    pub angle: Option<Support>,
 }
 
 fn origin() -> Vec<f64> {
@@ -263,6 +242,9 @@ impl Body {
             }
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
+        if let Some(mount) = &self.mount {
+            mount.check(&format!("{key}.mount"), is_space, faults);
+        }
         let motion = self.laws();
         let axes = [
             ("turn.axis", self.turn.as_ref().map(|turn| turn.axis)),
@@ -275,9 +257,6 @@ impl Body {
         if is_space {
             let fits = self.angle == 0.0;
             faults.require(fits, &format!("{key}.angle"), self.angle, || "use `turn` in three dimensions".into());
-            let driven = || "in three dimensions a body is still or moves by laws".into();
-            faults.forbid(self.is_driven(), &format!("{key}.motion"), driven);
-            faults.forbid(self.mount.is_some(), &format!("{key}.mount"), driven);
             return;
         }
         let flat = || "the fluid has two dimensions".into();
@@ -303,24 +282,48 @@ const MOST_TRIANGLES: usize = 100_000;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
+/// Return a component; 0 where the list ends before it.
+fn component(list: &[f64], d: usize) -> f64 {
+    list.get(d).copied().unwrap_or(0.0)
+}
+
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
     pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let laws = self.laws();
-        let displacement = laws.map_or([0.0; 3], |laws| [&laws.x, &laws.y, &laws.z].map(|law| law.value(t)));
-        self.placed(displacement, laws.map_or(0.0, |laws| laws.angle.value(t)), ends)
+        let Some(laws) = self.laws() else { return self.placed([0.0; 3], Z, 0.0, ends) };
+        let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
+        self.placed(displacement, laws.axis.unwrap_or(Z), laws.angle.value(t), ends)
     }
 
-    /// Return the shape after a displacement (m) and a turn by `angle` (rad) in a box with these ends, m.
-    pub(crate) fn placed(&self, displacement: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
-        let (rest, moved) = (self.turn.as_ref(), self.laws().and_then(|laws| laws.axis).unwrap_or(Z));
+    /// Return the shape with the pivot at `position` (m) after a turn (rad), in the plane from the x axis and in space
+    /// about the vector from rest.
+    pub(crate) fn shape_in(&self, position: &[f64], turn: &[f64], ends: &[[f64; 2]]) -> geometry::Shape {
+        let displacement = [0, 1, 2].map(|d| component(position, d) - component(&self.position, d));
+        match *turn {
+            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [x, y, z], norm([x, y, z]), ends),
+            [angle] => self.placed(displacement, Z, angle - self.angle, ends),
+            _ => self.placed(displacement, Z, 0.0, ends),
+        }
+    }
+
+    /// Return the axes of the body after a turn by `angle` (rad) about an axis.
+    fn axes(&self, about: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
+        let by = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
         let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-        let axes: [[f64; 3]; 3] = [0, 1, 2].map(|d| match rest {
-            Some(Turn { axis, angle: rest }) => about(about(own(d), *axis, *rest), moved, angle),
-            None => about(own(d), moved, self.angle + angle),
-        });
-        let component = |list: &[f64], d: usize| list.get(d).copied().unwrap_or(0.0);
+        [0, 1, 2].map(|d| match &self.turn {
+            Some(Turn { axis, angle: rest }) => by(by(own(d), *axis, *rest), about, angle),
+            None => by(own(d), about, self.angle + angle),
+        })
+    }
+
+    /// Return the axes of the body at rest.
+    pub(crate) fn axes_at_rest(&self) -> [[f64; 3]; 3] {
+        self.axes(Z, 0.0)
+    }
+
+    /// Return the shape after a displacement (m) and a turn by `angle` (rad) about an axis in a box with these ends, m.
+    fn placed(&self, displacement: [f64; 3], about: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
+        let axes = self.axes(about, angle);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
         let origin = [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d));
@@ -364,6 +367,11 @@ impl Shape {
     /// Return whether it goes through the whole box, along which it lies.
     fn is_endless(&self) -> bool {
         matches!(self, Self::CircularCylinder { length: None, .. })
+    }
+
+    /// Return whether it is a circle or a sphere.
+    pub(crate) fn is_round(&self) -> bool {
+        matches!(self, Self::Circle { .. } | Self::Sphere { .. })
     }
 
     /// Return a solid in space in the body's own axes, in a box with these ends (m).
@@ -411,13 +419,9 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
-        if let Some(mount) = &self.mount {
-            let key = format!("{key}.mount");
-            faults.forbid(self.motion.is_some(), &key, || {
-                "`motion` moves the body already; remove one of the two".into()
-            });
-            mount.check_at(&key, faults);
-        }
+        faults.forbid(self.mount.is_some() && self.motion.is_some(), &format!("{key}.mount"), || {
+            "`motion` moves the body already; remove one of the two".into()
+        });
         let Some(motion) = self.laws() else { return };
         motion.x.check_at(&format!("{key}.motion.x"), faults);
         motion.y.check_at(&format!("{key}.motion.y"), faults);
@@ -438,13 +442,6 @@ impl Body {
     }
 }
 
-impl Mount {
-    /// Return the supports along x and y and about the pivot.
-    pub fn supports(&self) -> [Option<Support>; 3] {
-        [self.x, self.y, self.angle]
-    }
-}
-
 impl Shape {
     /// Return the area of a shape of two dimensions, m²; of others 0.
     pub fn area(&self) -> f64 {
@@ -453,29 +450,17 @@ impl Shape {
 }
 
 impl Body {
-    /// Return the polar moment of the area about the pivot, m⁴; of a shape in space 0.
-    pub(crate) fn polar_moment(&self) -> f64 {
-        let Some(Section { area, centroid, polar }) = self.shape.outline().map(|outline| outline.section()) else {
-            return 0.0;
-        };
-        polar + area * ((self.pivot[0] - centroid[0]).powi(2) + (self.pivot[1] - centroid[1]).powi(2))
-    }
-}
-
-impl Check for Mount {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        if self.supports().iter().all(Option::is_none) {
-            faults.push(Fault::needed(&format!("{key}.y"), "a mount leaves a direction free: `x`, `y` or `angle`"));
+    /// Return the volume, m³, and its moments of inertia about the axes of the body through the pivot for a density of 1,
+    /// m⁵, in a box with these ends (m); in the plane the area and its moment about z. A line or a surface has none.
+    pub(crate) fn displaced(&self, ends: &[[f64; 2]]) -> (f64, [f64; 3]) {
+        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
+        if let Some(Section { area, centroid, polar }) = self.shape.outline().map(|outline| outline.section()) {
+            let arm = (pivot[0] - centroid[0]).powi(2) + (pivot[1] - centroid[1]).powi(2);
+            return (area, [0.0, 0.0, polar + area * arm]);
         }
-        match (self.angle, self.inertia) {
-            (Some(_), None) => {
-                faults.push(Fault::needed(&format!("{key}.inertia"), "a body that turns has a moment of inertia"));
-            }
-            (None, Some(_)) => {
-                faults.forbid(true, &format!("{key}.inertia"), || "the body does not turn: it has no `angle`".into());
-            }
-            _ => (),
-        }
+        let Some(solid) = self.shape.solid(ends) else { return (0.0, [0.0; 3]) };
+        let (volume, own) = solid.inertia([0, 1, 2].map(|d| ends.get(d).map_or(0.0, |[low, high]| high - low)));
+        (volume, [0, 1, 2].map(|d| own[d] + volume * (dot(pivot, pivot) - pivot[d].powi(2))))
     }
 }
 

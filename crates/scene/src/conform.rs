@@ -181,13 +181,14 @@ fn resolve<'a>(definitions: &'a Value, schema: &'a Value) -> &'a Value {
     }
 }
 
-/// Return the schema that `schema` refers to for this value: that of objects, or that of numbers or words.
+/// Return the schema that `schema` refers to for this value: that of objects, of lists, or that of numbers or words.
 fn resolve_for<'a>(definitions: &'a Value, node: &Node, schema: &'a Value) -> &'a Value {
     let schema = resolve(definitions, schema);
     let Some(Value::Array(either)) = schema.get("anyOf") else { return schema };
-    let is_object = matches!(node.content, Content::Object(_));
+    let (is_object, is_list) = (matches!(node.content, Content::Object(_)), matches!(node.content, Content::List(_)));
     let mut parts = either.iter().map(|part| resolve(definitions, part));
-    parts.find(|part| takes_objects(part) == is_object).unwrap_or(schema)
+    let takes_lists = |part: &Value| types(part).any(|name| name == "array");
+    parts.find(|part| takes_objects(part) == is_object && takes_lists(part) == is_list).unwrap_or(schema)
 }
 
 /// Return whether a value of `schema` is an object: with properties, or with one of several keys.

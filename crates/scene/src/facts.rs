@@ -6,9 +6,9 @@
 //! Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
 //! ```
 //!
-//! with U the velocity that drives the flow, L the diameter of the first cylinder, else the length of the first body or
-//! beam (in M and K always that of the beam), f the frequency of the drive, and mu and EI mass per area and bending
-//! stiffness of the first beam at its root, per metre of depth.
+//! with U the velocity that drives the flow, of a body that falls that at a drag coefficient of 1, L the diameter of the
+//! first cylinder, else the length of the first body or beam (in M and K always that of the beam), f the frequency of the
+//! drive, and mu and EI mass per area and bending stiffness of the first beam at its root, per metre of depth.
 //!
 //! The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a
 //! body is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L at a plate.
@@ -25,6 +25,7 @@ use crate::body::{Body, Shape};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::law_warnings;
+use crate::mount::Freedom;
 use crate::root::RootMotion;
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
@@ -130,7 +131,7 @@ pub struct Dimensionless {
 pub struct MountFacts {
     /// Mass by that of the displaced fluid, m*; absent for a line.
     pub mass_ratio: Option<f64>,
-    /// The directions in which it moves: `x`, `y` and `angle`.
+    /// The directions in which it moves, by the keys of their supports.
     pub supports: Vec<(&'static str, SupportFacts)>,
 }
 
@@ -311,24 +312,23 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
 /// Return the numbers of a body if it is on springs, in a flow of a velocity.
 fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts> {
     let mount = body.mount.as_ref()?;
-    let [length, _] = body.shape.size();
+    let ([length, _], ends) = (body.shape.size(), fluid.r#box.ends().collect::<Vec<_>>());
     let number = |value: f64| Some(value).filter(|value| value.is_finite());
-    let inertias = [mount.mass, mount.mass, mount.inertia.unwrap_or_default()];
-    let supports = ["x", "y", "angle"].into_iter().zip(mount.supports()).zip(inertias);
-    let supports = supports.filter_map(|((name, support), inertia)| {
-        let Support { stiffness, damping, .. } = support?;
-        let omega = (stiffness / inertia).sqrt();
-        let natural_frequency = omega / (2.0 * PI);
-        Some((
-            name,
-            SupportFacts {
-                natural_frequency,
-                damping_ratio: number(0.5 * damping / (omega * inertia)),
-                reduced_velocity: velocity.and_then(|u| number(u / (natural_frequency * length))),
-            },
-        ))
-    });
-    let mass_ratio = number(mount.mass / (fluid.density * body.shape.area()));
+    let supports =
+        body.freedoms(fluid.is_space()).into_iter().filter_map(|Freedom { name, inertia, support, .. }| {
+            let Support { stiffness, damping, .. } = support?;
+            let omega = (stiffness / inertia).sqrt();
+            let natural_frequency = omega / (2.0 * PI);
+            Some((
+                name,
+                SupportFacts {
+                    natural_frequency,
+                    damping_ratio: number(0.5 * damping / (omega * inertia)),
+                    reduced_velocity: velocity.and_then(|u| number(u / (natural_frequency * length))),
+                },
+            ))
+        });
+    let mass_ratio = number(mount.mass / body.displaced_by(fluid.density, &ends).0);
     Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
@@ -367,7 +367,7 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
 }
 
 /// Return the largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only
-/// turns, of the tip of a beam as if it were rigid.
+/// turns, of a body that falls with a drag coefficient of 1, of the tip of a beam as if it were rigid.
 fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
     let mut motions = Vec::new();
@@ -379,6 +379,13 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
             name: format!("motion of {}", own.name),
             frequency: first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
         });
+    }
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    for (i, body) in fluid.bodies.iter().enumerate() {
+        let area = if fluid.is_space() { body.shape.reference_area(&ends) } else { body.shape.size()[0] };
+        let weight = speed(body.free_weight(fluid.density, &ends));
+        let (speed, name) = ((2.0 * weight / (fluid.density * area)).sqrt(), format!("fall of body {}", i + 1));
+        motions.push(Drive { speed, name, frequency: None });
     }
     for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
         let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };

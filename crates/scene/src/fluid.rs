@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, BodyDrive, BodyMotion, Shape};
-use crate::fault::{Check, Faults};
+use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
 use crate::stepping::{TimeStepping, check_mask};
 
@@ -32,7 +32,7 @@ pub struct Fluid {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub disturbance: Option<f64>,
-    /// Solid walls below and above; absent in a periodic scene.
+    /// Solid walls; absent in a periodic scene.
     #[serde(default)]
     pub channel: Option<Channel>,
     /// Zone across the box in which the velocity is imposed; absent where no inflow drives the flow.
@@ -97,13 +97,14 @@ pub struct FluidBox {
     pub cells: Vec<usize>,
 }
 
-/// Solid walls below and above, and in three dimensions on more sides.
+/// Pairs of solid walls.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Channel {
-    /// Places of the lower and the upper wall, m.
-    pub y: [f64; 2],
-    /// Places of two walls across x, m; only in three dimensions.
+    /// Places of the lower and the upper wall, m; absent where the box is periodic along y.
+    #[serde(default)]
+    pub y: Option<[f64; 2]>,
+    /// Places of two walls across x, m; absent where the box is periodic along x.
     #[serde(default)]
     pub x: Option<[f64; 2]>,
     /// Places of two walls across z, m; only in three dimensions.
@@ -318,6 +319,7 @@ impl Check for Fluid {
             });
             self.check_place(&format!("{key}.position"), &probe.position, faults);
         }
+        let ends: Vec<_> = self.r#box.ends().collect();
         for (i, body) in self.bodies.iter().enumerate() {
             let key = format!("{key}.bodies[{i}]");
             self.check_place(&format!("{key}.position"), &body.position, faults);
@@ -328,25 +330,7 @@ impl Check for Fluid {
             });
             let holds = body.shape.line().is_none() || self.time_stepping.scheme == TimeScheme::Sbdf2;
             faults.require(holds, &format!("{key}.shape"), "a line", || "a line needs the scheme sbdf2".into());
-            if let Some(mount) = body.mount.as_ref().filter(|_| !self.is_space()) {
-                let displaced = self.density * body.shape.area();
-                let round = matches!(body.shape, Shape::Circle { .. }) || mount.x.or(mount.y).is_none();
-                faults.require(round || mount.mass >= displaced, &format!("{key}.mount.mass"), mount.mass, || {
-                    format!(
-                        "a body on springs that is no circle must weigh at least as much as the fluid it displaces, \
-                         {displaced:.6}"
-                    )
-                });
-                let (inertia, displaced) = (mount.inertia.unwrap_or(0.0), self.density * body.polar_moment());
-                let fits = mount.angle.is_none() || matches!(body.shape, Shape::Circle { .. }) || inertia >= displaced;
-                // A missing moment of inertia is a fault of its own.
-                faults.require(fits || mount.inertia.is_none(), &format!("{key}.mount.inertia"), inertia, || {
-                    format!(
-                        "a body on springs that is no circle must have at least the moment of inertia of the fluid it \
-                         displaces, {displaced:.6}"
-                    )
-                });
-            }
+            body.check_mass(&format!("{key}.mount"), self.density, &ends, faults);
         }
         check_mask(&self.mask, &format!("{key}.mask"), &self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);
@@ -379,6 +363,7 @@ impl Fluid {
     }
 
     fn check_zones(&self, key: &str, faults: &mut Faults) {
+        let channel_key = format!("{key}.channel");
         let within = |faults: &mut Faults, key: String, [low, high]: [f64; 2], outer: [f64; 2]| {
             if faults.interval(&key, [low, high]) {
                 faults.require(outer[0] <= low && high <= outer[1], &key, format!("[{low}, {high}]"), || {
@@ -387,16 +372,26 @@ impl Fluid {
             }
         };
         let possible = |faults: &mut Faults, key: String, profile: InflowProfile| {
-            let possible = profile != InflowProfile::Parabolic || self.channel.is_some();
-            faults.require(possible, &key, "parabolic", || "a parabola needs a `channel`".into());
+            let possible =
+                profile != InflowProfile::Parabolic || self.channel.as_ref().is_some_and(|own| own.y.is_some());
+            faults.require(possible, &key, "parabolic", || match self.channel {
+                None => "a parabola needs a `channel`".into(),
+                Some(_) => format!("a parabola needs `{channel_key}.y`"),
+            });
         };
         if let Some(channel) = &self.channel {
-            within(faults, format!("{key}.channel.y"), channel.y, self.r#box.y);
-            for (axis, walls, ends) in [("x", channel.x, Some(self.r#box.x)), ("z", channel.z, self.r#box.z)] {
-                let key = format!("{key}.channel.{axis}");
-                if faults.forbid(walls.is_some() && !self.is_space(), &key, || "the fluid has two dimensions".into()) {
-                    walls.into_iter().zip(ends).for_each(|(walls, ends)| within(faults, key.clone(), walls, ends));
-                }
+            let Channel { x, y, z } = *channel;
+            faults.forbid(z.is_some() && !self.is_space(), &format!("{channel_key}.z"), || {
+                "the fluid has two dimensions".into()
+            });
+            if [x, y, z].iter().all(Option::is_none) {
+                faults.push(Fault::needed(&format!("{channel_key}.y"), "a channel has walls across one axis or more"));
+            }
+            for (axis, walls, ends) in
+                [("y", y, Some(self.r#box.y)), ("x", x, Some(self.r#box.x)), ("z", z, self.r#box.z)]
+            {
+                let walls = walls.into_iter().zip(ends);
+                walls.for_each(|(walls, ends)| within(faults, format!("{channel_key}.{axis}"), walls, ends));
             }
         }
         if let Some(inflow) = &self.inflow {

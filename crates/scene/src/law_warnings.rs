@@ -9,6 +9,7 @@ use method::Precision;
 use crate::body::BodyMotion;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
+use crate::mount::Freedom;
 use crate::places::rounded;
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::Scene;
@@ -45,10 +46,10 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
             found.extend(law.highest_frequency().and_then(|frequency| fast(key, "`", "", frequency, step)));
         });
     });
-    let bodies = scene.fluid.iter().flat_map(|fluid| fluid.bodies.iter().enumerate());
-    for (i, mount) in bodies.filter_map(|(i, body)| Some((i, body.mount.as_ref()?))) {
-        let inertias = [mount.mass, mount.mass, mount.inertia.unwrap_or(f64::INFINITY)];
-        for ((name, support), inertia) in ["x", "y", "angle"].into_iter().zip(mount.supports()).zip(inertias) {
+    let fluid = scene.fluid.iter();
+    let bodies = fluid.flat_map(|fluid| fluid.bodies.iter().map(|body| body.freedoms(fluid.is_space())).enumerate());
+    for (i, freedoms) in bodies {
+        for Freedom { name, inertia, support, .. } in freedoms {
             let frequency = support.map_or(0.0, |support| (support.stiffness / inertia).sqrt() / (2.0 * PI));
             let key = format!("fluid.bodies[{i}].mount.{name}.stiffness");
             found.extend(fast(&key, "the spring of `", " without the fluid", frequency, step));

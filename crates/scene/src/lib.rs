@@ -19,6 +19,8 @@ mod law;
 mod law_warnings;
 mod load;
 mod monitor;
+mod mount;
+mod mounted;
 mod places;
 mod read;
 mod reference;
@@ -42,13 +44,14 @@ pub use ::method::{
     TimeScheme, WallCorrection,
 };
 pub use beam::{Beam, Root};
-pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Turn};
+pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Shape, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
 pub use fluid::{Channel, Cylinder, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe, Sponge};
 pub use law::TimeLaw;
 pub use monitor::monitor_text;
+pub use mount::{Freedom, Inertia, Mount};
 pub use read::{check_text, facts_text};
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{Material, Rod, SectionProfile};

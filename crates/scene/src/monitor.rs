@@ -194,8 +194,9 @@ struct Places {
     time: f64,
     /// What the answer of the time before has as `memory`.
     memory: Option<Memory>,
-    /// Place of the pivot, m, and angle, rad, of each body of the fluid; none where its laws say it.
-    bodies: Vec<Option<[f64; 3]>>,
+    /// Place of the pivot, m, and angle, in space rotation vector from rest, rad, of each body of the fluid; none where
+    /// its laws say it.
+    bodies: Vec<Option<Vec<f64>>>,
     /// Stations of each beam, m; none of one that nobody knows.
     beams: Vec<Option<Vec<Vec<f64>>>>,
     /// Nodes of the wing, m.
@@ -231,13 +232,13 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     let free = (0..cylinders).map(|_| None).chain(places.bodies);
     for (own, pose) in fluid.iter().flat_map(|fluid| fluid.obstacles()).zip(free) {
         let (body, rest) = (&own.body, own.body.shape_at(0.0, &ends));
-        let shape = match pose {
-            Some([x, y, angle]) => {
-                body.placed([x - body.position[0], y - body.position[1], 0.0], angle - body.angle, &ends)
+        let shape = match &pose {
+            Some(pose) => {
+                pose.split_at_checked(ends.len()).map(|(position, turn)| body.shape_in(position, turn, &ends))
             }
-            None => body.shape_at(places.time, &ends),
+            None => Some(body.shape_at(places.time, &ends)),
         };
-        add(own.key, own.name, [Some(rest), Some(shape)], pose.is_some(), f64::INFINITY);
+        add(own.key, own.name, [Some(rest), shape], pose.is_some(), f64::INFINITY);
     }
     for (own, stations) in scene.beams_with_rods().zip(places.beams) {
         let stations_at = own.beam.places().step_by(2);

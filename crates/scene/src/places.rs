@@ -271,11 +271,7 @@ pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 /// Return the walls of the channel, m, by the number of the axis across them.
 pub(crate) fn walls(fluid: &Fluid) -> Vec<(usize, [f64; 2])> {
     let Some(channel) = &fluid.channel else { return Vec::new() };
-    [channel.x, Some(channel.y), channel.z]
-        .into_iter()
-        .enumerate()
-        .filter_map(|(axis, ends)| Some((axis, ends?)))
-        .collect()
+    [channel.x, channel.y, channel.z].into_iter().enumerate().filter_map(|(axis, ends)| Some((axis, ends?))).collect()
 }
 
 /// Return what a body with this shape stops by leaving no way around it.
@@ -287,7 +283,7 @@ pub(crate) fn blocked(fluid: &Fluid, shape: &Shape) -> Option<String> {
         walled[axis] = walls;
     }
     (0..ends.len()).filter(|&axis| streams[axis]).find_map(|axis| {
-        let is_walled = axis == 0 && fluid.channel.is_some();
+        let is_walled = walls(fluid).iter().any(|(across, _)| *across != axis);
         let (what, section) = if is_walled { ("channel", &walled) } else { ("box", &ends) };
         let is_open = |other: usize| {
             let ([low, high], [from, to]) = (section[other], bounds[other]);

@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
 use crate::monitor::{Monitor, Part};
+use crate::mount::Freedom;
 use crate::places::{self, AXES, Line, rounded, shown};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
@@ -49,6 +50,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         overlaps(scene, &parts, &start, ends.len(), &mut found);
         found.extend(motions(scene, fluid, &parts, &start, &ends));
         found.extend(own_wake(scene, fluid, &parts));
+        found.extend(carried_along(scene, fluid, &ends));
         found.extend(probes(fluid, &parts, &start));
         found.extend(other_sponge(scene, fluid));
         found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
@@ -251,6 +253,22 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Moving]) -> Option<Warning> {
     None
 }
 
+/// Return the warning about a body that falls or rises in a periodic box in which nothing holds the fluid.
+fn carried_along(scene: &Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Option<Warning> {
+    let driven = fluid.mean_flow.is_some() || fluid.inflow.is_some() || fluid.sponge.is_some();
+    let is_held = |own: Obstacle| own.body.mount.is_none();
+    let parts = scene.wing.is_some() || scene.beams().next().is_some() || fluid.obstacles().any(is_held);
+    if driven || parts || fluid.channel.is_some() {
+        return None;
+    }
+    let i = fluid.bodies.iter().position(|body| body.free_weight(fluid.density, ends).iter().any(|own| *own != 0.0))?;
+    let text = format!(
+        "`fluid.bodies[{i}]` falls or rises, and nothing holds the fluid in the periodic box: both gain speed together; \
+         `\"mean_flow\": {{}}` holds the fluid"
+    );
+    Some(Warning { key: format!("fluid.bodies[{i}].mount.gravity"), time: None, text })
+}
+
 /// Return the warning about a scene whose wake stays symmetric.
 fn symmetry(
     scene: &Scene,
@@ -322,9 +340,11 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
             .collect(),
         _ => Vec::new(),
     });
-    let released = fluid.bodies.iter().filter_map(|body| body.mount.as_ref()).any(|mount| {
-        let supports = mount.supports();
-        [supports[across.min(1)], supports[2]].into_iter().flatten().any(|own| own.rest * own.stiffness != 0.0)
+    let is_off = |own: &Freedom| own.support.is_some_and(|own| own.rest * own.stiffness != 0.0);
+    let released = fluid.bodies.iter().any(|body| {
+        let breaks = |own: &Freedom| is_off(own) && own.turns != (own.axis == across);
+        let pull = body.mount.as_ref().and_then(|mount| mount.gravity.get(across)).copied().unwrap_or(0.0);
+        pull != 0.0 || body.freedoms(fluid.is_space()).iter().any(breaks)
     });
     let moved = released || fluid.bodies.iter().any(Body::is_driven) || laws.any(|law| law.largest_rate() > 0.0);
     let mut pulls = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across).copied());

@@ -61,7 +61,7 @@ def _physics(scene: Scene) -> Iterator[tuple[str, Any]]:
         else:
             yield "fluid.box.x[0]", fluid.box.x[0]
         yield "fluid.box.x[1]", fluid.box.x[1]
-        if not fluid.channel:
+        if not (fluid.channel and fluid.channel.y):
             yield from ((f"fluid.box.y[{i}]", end) for i, end in enumerate(fluid.box.y))
 
 

@@ -30,6 +30,7 @@ from nervure.output.wings import WingPicture
 from nervure.scene import beams, validate
 from nervure.scene.facts import Facts, WingMesh
 from nervure.simulation import results
+from nervure.simulation.recorder import column
 from nervure.simulation.results import FLUID_FIELDS, WING_FIELDS
 
 ROUNDING = 1e-9  # Relative, of a time
@@ -79,11 +80,9 @@ class Frames:
         self.part = part
 
     def _moves(self, series: Series) -> list[np.ndarray]:
-        """Return position and angle of each body at the times of the frames, `[frames, parts]`, m and rad."""
-        bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
-        parts = flow.pose(self.scene)
-        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in parts] for i in bodies]
-        return [np.transpose(parts) for parts in of]
+        """Return the pose of each body at the times of the frames, `[frames, parts]`, m and rad (see `pose_names`)."""
+        found = flow.poses(self.scene, lambda name: np.interp(self.times, series["time"], series[column(name)]))
+        return [np.transpose(parts) for parts in found]
 
     @cached_property
     def view(self) -> flow.View:

@@ -6,8 +6,8 @@ the seam of the periodic box, the bare series rings with a wavelength of two to 
 values.
 """
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,8 +19,9 @@ from matplotlib.path import Path
 from nervure.errors import InputError
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, space, title
 from nervure.output.fields import outline
-from nervure.scene import Scene, solids
-from nervure.scene.outline import POSE, body_outline, circle
+from nervure.scene import Scene
+from nervure.scene.outline import body_outline, circle
+from nervure.scene.solids import pose_names
 from nervure.scene.types import Fluid
 
 PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
@@ -30,6 +31,7 @@ SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
 THICK, THIN = 0.6, 1.5  # Widths of the outline of a solid and of a line
 MARK = "0.6"  # Grey of a sponge
 
+Value = TypeVar("Value")
 Crop = Sequence[float]  # Ends of a part along x, y and in space z, m: x_0, x_1, y_0, …
 Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n, 2]`
 
@@ -136,9 +138,11 @@ class View:
         return free
 
 
-def pose(scene: Scene) -> tuple[str, ...]:
-    """Return the outputs of the fluid for the place of a rigid body."""
-    return solids.POSE if _fluid(scene).box.z else POSE
+def poses(scene: Scene, read: Callable[[str], Value]) -> list[list[Value]]:
+    """Return what `read` gives of the outputs for the place of each rigid body, by their names."""
+    fluid = _fluid(scene)
+    bodies = enumerate(fluid.bodies, 1)
+    return [[read(f"body[{i}].{part}") for part in pose_names(fluid, body)] for i, body in bodies]
 
 
 def colour_bar(

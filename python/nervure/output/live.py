@@ -20,9 +20,9 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 
 from nervure.output import axis_label, displayed_unit, fields, flow, lengths_in, space, title, unit_in
-from nervure.scene.types import Fluid
 from nervure.simulation.checkpoint import Checkpoint
 from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.recorder import column
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
@@ -140,7 +140,7 @@ class Live(Observer):
                     solids.append(space.there_and_back(points[:, :2]))
         wing = (fields.wing_nodes(units["wing"]), mesh.triangles) if mesh else None
         if view:
-            solids = view.outlines(solids, self._poses(view.fluid), wing)
+            solids = view.outlines(solids, self._poses(), wing)
         elif mesh and wing:
             seen = wing[0][:, :2]
             solids += [seen[mesh.edge()], *(space.there_and_back(seen[vein]) for vein in mesh.veins)]
@@ -156,12 +156,11 @@ class Live(Observer):
             frame |= {"view": view.extent, "values": base64.b64encode(values.tobytes()).decode()}
         return frame
 
-    def _poses(self, fluid: Fluid) -> list[list[float]]:
-        """Return the last recorded position (m) and angle (rad) of each body."""
+    def _poses(self) -> list[list[float]]:
+        """Return the last recorded position (m) and angle or rotation vector (rad) of each body."""
         recorder = self.session.recorder
         row = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
-        bodies = range(1, len(fluid.bodies) + 1)
-        return [[row.get(f"body_{i}_{part}", 0.0) for part in flow.pose(self.session.scene)] for i in bodies]
+        return flow.poses(self.session.scene, lambda name: row.get(column(name), 0.0))
 
     def state(self, columns: list[str], field: str) -> dict[str, Any]:
         """Return what the page shows: the curves of `columns` and, once the run has made it, a frame of `field`."""

@@ -308,10 +308,7 @@ def vorticity(session: Session) -> Figure | None:
         for own in session.facts.beams
         for outline in view.beam(station_positions(units, own), session.facts.thickness[own.force])
     ]
-    poses = [
-        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.pose(scene)]
-        for i, _ in enumerate(scene.fluid.bodies, 1)
-    ]
+    poses = flow.poses(scene, lambda name: float(units["fluid"].read(name)[0]))
     mesh = session.facts.wing
     shown = view.cut(field), view.outlines(beams, poses, (wing_nodes(units["wing"]), mesh.triangles) if mesh else None)
     figure, axes = view.panels(WIDTH)

@@ -35,7 +35,7 @@ class Mount:
     """A body on springs."""
 
     mass_ratio: float | None  # Mass by that of the displaced fluid; absent for a line
-    supports: dict[str, Support]  # By the direction in which the body moves: x, y, angle
+    supports: dict[str, Support]  # By the direction in which the body moves: x, y, angle, …
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,10 @@
-"""Rigid bodies in space: their places, lengths and surfaces."""
+"""Rigid bodies: the outputs for their places, and in space their lengths and surfaces."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nervure.scene.outline import circle
+from nervure.scene.outline import POSE, circle
 from nervure.scene.types import (
     Body,
     BodyMotion,
@@ -18,8 +18,16 @@ from nervure.scene.types import (
     ShapeTriangulation,
 )
 
-POSE = ("x", "y", "z", "angle")  # Outputs of the fluid for a rigid body
+PLACE = ("x", "y", "z")
+TURN = ("angle_x", "angle_y", "angle_z")  # Rotation vector of a body that no law moves
 Z = (0.0, 0.0, 1.0)
+
+
+def pose_names(fluid: Fluid, body: Body) -> tuple[str, ...]:
+    """Return the outputs of the fluid for the place of a rigid body."""
+    if not fluid.box.z:
+        return POSE
+    return (*PLACE, *(TURN if body.mount or body.motion == "master" else ("angle",)))
 
 
 def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
@@ -31,9 +39,13 @@ def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
 
 
 def placed(body: Body, pose: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the matrix from the axes of a body to those of the box, and the place of their origin, m."""
+    """Return the matrix from the axes of a body at `pose` (m and rad, see `pose_names`) to those of the box, and the
+    place of their origin, m."""
     motion = body.motion if isinstance(body.motion, BodyMotion) else None
-    turn = rotation((motion and motion.axis) or Z, pose[3])
+    if len(vector := pose[3:]) == len(TURN):
+        turn = rotation(vector, float(np.linalg.norm(vector))) if any(vector) else np.eye(3)
+    else:
+        turn = rotation((motion and motion.axis) or Z, pose[3])
     if body.turn:
         turn = turn @ rotation(body.turn.axis, body.turn.angle)
     pivot = np.resize(body.pivot, 3) if any(body.pivot) else np.zeros(3)

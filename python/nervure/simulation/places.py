@@ -9,7 +9,7 @@ import numpy as np
 from nervure import library
 from nervure.scene import text
 from nervure.scene.facts import Facts
-from nervure.scene.outline import POSE
+from nervure.scene.solids import pose_names
 from nervure.units.fmu import Unit
 
 NUMBER = re.compile(r"-?\d[\d.]*(e[-+]?\d+)?")
@@ -22,11 +22,11 @@ class Places:
 
     def __init__(self, facts: Facts, units: Mapping[str, Unit]):
         self.scene, fluid, wing = text(facts.scene), units.get("fluid"), units.get("wing")
-        bodies = facts.scene.fluid.bodies if facts.scene.fluid else []
-        self.bodies = [
-            _reader(fluid, [f"body[{k}].{name}" for name in POSE]) if body.mount or body.motion == "master" else None
-            for k, body in enumerate(bodies, 1)
-        ]
+        self.bodies: list[Reader | None] = []
+        if part := facts.scene.fluid:
+            for k, body in enumerate(part.bodies, 1):
+                names = [f"body[{k}].{name}" for name in pose_names(part, body)]
+                self.bodies.append(_reader(fluid, names) if body.mount or body.motion == "master" else None)
         rods = [units.get(own.unit) for own in facts.beams]
         self.beams = [_reader(rod, ["x", "y", "z"]) or _reader(rod, ["x", "y"]) for rod in rods]
         self.wing = _reader(wing, ["x", "y", "z"])

@@ -12,6 +12,11 @@ KINDS = ("Real", "Integer")  # FMI types of the recorded outputs, in the order o
 PUNCTUATION = re.compile(r"[.\[\]]+")
 
 
+def column(name: str) -> str:
+    """Return the name of the column of an output."""
+    return PUNCTUATION.sub("_", name)
+
+
 class Recorder:
     """Table of time (s), the scalar outputs of connected `units`, and iterations: one row for every `stride`-th of
     `steps` steps. With a stride above 1, scalars are fetched for these rows only.
@@ -31,8 +36,7 @@ class Recorder:
         self.units: dict[str, str | None] = {"time": "s"}
         for own, name in outputs:
             alone = names.count(name) == 1 and not (several and own != "fluid")
-            column = PUNCTUATION.sub("_", name if alone else f"{own}_{name}")
-            self.units[column] = units[own].variables[name].unit
+            self.units[column(name if alone else f"{own}_{name}")] = units[own].variables[name].unit
         self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0

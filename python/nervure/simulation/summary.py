@@ -32,7 +32,7 @@ PERIODIC = 0.1  # Largest `amplitude_drift` for a comparison with published valu
 STEADY = 0.05  # Largest amplitude by mean for a comparison with published values of a steady state
 
 COMPARED_PERIODS = 4  # Fewest periods for a comparison with published values of a periodic state
-MOTION = re.compile(r"(body_\d+)_(x|y|angle)")  # Columns of the motion of a rigid body
+MOTION = re.compile(r"(body_\d+)_(x|y|z|angle|angle_[xyz])")  # Columns of the motion of a rigid body
 FORCES = ("drag", "lift")  # Evaluated outputs of the fluid, under a box filter
 
 
@@ -195,7 +195,10 @@ def quantities(facts: Facts) -> list[str]:
     """Return the columns that are evaluated, as far as a run has them."""
     prefixes = [own.prefix for own in facts.beams] or [""]
     mounts = facts.numbers.mounts if facts.numbers else {}
-    moved = (f"{body}_{direction}" for body, mount in mounts.items() for direction in mount.supports)
+    supports = [(body, *own) for body, mount in mounts.items() for own in mount.supports.items()]
+    moved = [f"{body}_{direction}" for body, direction, _ in supports]
+    # Where no spring holds a body, it may fall.
+    moved += [f"{body}_v{direction}" for body, direction, support in supports if not support.natural_frequency]
     return [*(prefix + name for prefix in prefixes for name in TIP), *moved, *FORCES]
 
 
@@ -249,7 +252,7 @@ def _motion(series: Series, mounted: bool = False) -> np.ndarray | None:
         if found and (f"{found[1]}_vx" in series) == mounted and np.ptp(series[column][tail]) > 0:
             moving.setdefault(found[1], []).append(column)
     for columns in moving.values():
-        places = [name for name in columns if not name.endswith("angle")] or columns
+        places = [name for name in columns if "_angle" not in name] or columns
         return _along(series["time"], np.array([series[name] for name in places]))
     return None
 

@@ -12,8 +12,8 @@ use line_fft::Real;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
-use crate::parameters::Parameters;
-use crate::space::{Freedoms, Space, Vector, split};
+use crate::parameters::{Mount, Parameters};
+use crate::space::{Freedoms, Space, Vector, join, split};
 use crate::stations::Stations;
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
@@ -21,8 +21,8 @@ use crate::zone::DrivingZone;
 pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
-use mount::SpringStep;
 pub use mount::{Carried, Drag};
+use mount::{DisplacedMass, SpringStep};
 pub use pose::Pose;
 pub use rigid::Rigid;
 
@@ -359,10 +359,18 @@ where
     fn solve_springs(&mut self, c: [f64; 3], carried: &Carried<D>, density: f64, drag: &Drag<D>) -> Option<Freedoms> {
         let mount = *self.mount()?;
         let (inertia, fluid) = (self.inertia_matrix(mount.inertia), self.displaced_mass(density));
-        let step = SpringStep { mount, carried, c, inertia, fluid, predicted: self.pose.rates() };
+        let (weight, predicted) = (self.weight(&mount, &fluid), self.pose.rates());
+        let step = SpringStep { mount, carried, c, inertia, fluid, weight, predicted };
         let found = step.solve(drag);
         self.spring_motion = Some(found);
         Some(found.change)
+    }
+
+    /// Return the weight less that of the fluid that carries the body, with its moment about the pivot. A thin body
+    /// displaces none.
+    fn weight(&self, mount: &Mount<D>, fluid: &DisplacedMass<D>) -> Freedoms {
+        let (gravity, carrying) = (Vector::from(mount.gravity), if self.is_thin() { 0.0 } else { fluid.mass });
+        join::<D>(&(gravity * (mount.mass - carrying)), <[f64; D]>::cross(&fluid.arm, &(gravity * -carrying)))
     }
 }
 

@@ -4,13 +4,14 @@
 //! displaced fluid and the drag `D` on the cells, the body obeys
 //!
 //! ```text
-//! M V' = D + B V' + (B − M) gyroscopic − damping V − stiffness (X − rest)
+//! M V' = D + B V' + (B − M) gyroscopic − damping V − stiffness (X − rest) + (M − B) g
 //! ```
 //!
-//! with the accelerations that a constant angular velocity asks for as the gyroscopic term: `m_d omega × (omega × r)`
-//! for that fluid with its centroid at `r` from the pivot, and in space `omega × I omega`. V' and X' are the two-step
-//! backward differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is
-//! implicit in the drag, and the fluid gets the momentum that the body loses.
+//! in gravity g, which acts on the mass at the pivot and on the displaced fluid at its centroid, and with the
+//! accelerations that a constant angular velocity asks for as the gyroscopic term: `m_d omega × (omega × r)` for that
+//! fluid with its centroid at `r` from the pivot, and in space `omega × I omega`. V' and X' are the two-step backward
+//! differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is implicit
+//! in the drag, and the fluid gets the momentum that the body loses.
 //!
 //! A light body would be unstable, because the fluid around it answers with the pressure of the next step only. So
 //! `K (V' − V'_before)` is added to `M V'`, with the virtual mass K that a body lacks to [`LEAST_MASS`]; heavier bodies
@@ -131,6 +132,8 @@ where
     pub inertia: [[f64; 3]; 3],
     /// The displaced fluid.
     pub fluid: DisplacedMass<D>,
+    /// Weight less that of the fluid that carries the body, with its moment.
+    pub weight: Freedoms,
     /// Velocities along the freedoms with which the drag was found.
     pub predicted: Freedoms,
 }
@@ -207,7 +210,7 @@ where
                 matrix[i][i] = 1.0;
                 continue;
             };
-            right[i] = on_body[i] + centripetal[i] + gyroscopic[i] - own_gyroscopic[i];
+            right[i] = on_body[i] + centripetal[i] + gyroscopic[i] - own_gyroscopic[i] + self.weight[i];
             for j in freedoms.clone().filter(|&j| mount.supports[j].is_some()) {
                 let net = self.own_mass(i, j) - displaced[i][j];
                 matrix[i][j] = c[0] * net + drag.impedance[i][j];
