@@ -5,6 +5,7 @@ import re
 from importlib.util import find_spec
 from textwrap import shorten
 
+from nervure.evaluate import benchmark
 from nervure.scene.types import Display, Scene
 from nervure.terminal import legible
 
@@ -44,8 +45,10 @@ def axis_label(name: str, unit: str) -> str:
 
 
 def title(scene: Scene, inches: float) -> str:
-    """Return the first clause of the scene's description, or its name in words, cut to `inches` of small text."""
-    words = CLAUSE.split(scene.description or "")[0] or re.sub(r"[-_]", " ", scene.name)
+    """Return the first clause of the scene's description, cut to `inches` of small text; the name in words where there
+    is none, or where it describes a shipped scene of other physics."""
+    described = "" if benchmark.changed(scene, "description") else CLAUSE.split(scene.description or "")[0]
+    words = described or re.sub(r"[-_]", " ", scene.name)
     return shorten(legible(words), round(14.5 * inches), placeholder=" …")
 
 
