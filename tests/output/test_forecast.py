@@ -119,16 +119,17 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     assert facts.numbers.velocity == pytest.approx(velocity)
     found = bodies.evaluate(facts, known, window, 0.0)["beam"]
     pressure = velocity**2 / 2
-    assert found.cd_mean == pytest.approx(-0.25 / pressure, rel=1e-4)
+    along, across = (-0.5, 0.25) if kind == "stream" else (-0.25, -0.5)
+    assert found.cd_mean == pytest.approx(along / pressure, rel=1e-4)
+    assert found.cl_mean == pytest.approx(across / pressure, rel=1e-4)
     assert found.cl_amplitude == pytest.approx(1.0 / pressure, rel=1e-4)
     assert found.ct == pytest.approx((0.5 if kind == "stream" else 0.25) / pressure, rel=1e-4)
     assert found.cp == pytest.approx(3.0 / pressure / velocity, rel=1e-4)
     assert found.st == pytest.approx(2.0 / velocity, rel=1e-4)
     assert found.st_tip == pytest.approx(2.0 * 0.3 / velocity, rel=1e-4)
     if kind == "stream":
-        assert scene.beam
         assert found.ct / found.cp == pytest.approx(
-            flapping.evaluate(facts, scene.beam, known, window).efficiency, rel=1e-9
+            flapping.evaluate(facts, facts.scales["beam"], known, window).efficiency, rel=1e-9
         )
 
 

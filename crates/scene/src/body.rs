@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
+use crate::scales::ReferenceScales;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,6 +39,9 @@ pub struct Body {
     /// Springs and dampers on which the fluid moves the body; absent for one that is still or has a motion.
     #[serde(default)]
     pub mount: Option<Mount>,
+    /// Scales of its coefficients, in place of those that follow from shape and stream.
+    #[serde(default)]
+    pub reference: Option<ReferenceScales>,
 }
 
 /// What prescribes the motion of a body: laws, or the word `master`.
@@ -263,6 +267,10 @@ impl Body {
             }
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
+        let flat_area = !is_space && self.reference.as_ref().is_some_and(|own| own.area.is_some());
+        faults.forbid(flat_area, &format!("{key}.reference.area"), || {
+            "in two dimensions forces are per metre of depth, and coefficients refer to a length".into()
+        });
         let motion = self.laws();
         let axes = [
             ("turn.axis", self.turn.as_ref().map(|turn| turn.axis)),
@@ -411,6 +419,7 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
+        self.reference.check_at(&format!("{key}.reference"), faults);
         if let Some(mount) = &self.mount {
             let key = format!("{key}.mount");
             faults.forbid(self.motion.is_some(), &key, || {
