@@ -199,7 +199,13 @@ def quantities(facts: Facts) -> list[str]:
     prefixes = [own.prefix for own in facts.beams] or [""]
     mounts = facts.numbers.mounts if facts.numbers else {}
     moved = (f"{body}_{direction}" for body, mount in mounts.items() for direction in mount.supports)
-    return [*(prefix + name for prefix in prefixes for name in TIP), *SECTION, *moved, *FORCES]
+    each = (f"{own.force}_{end}" for own in facts.beams if own.prefix for end in FORCES)
+    return [*(prefix + name for prefix in prefixes for name in TIP), *SECTION, *moved, *each, *FORCES]
+
+
+def is_force(name: str) -> bool:
+    """Return whether a column is a force of the fluid."""
+    return name.rpartition("_")[2] in FORCES
 
 
 @dataclass(frozen=True)
@@ -271,7 +277,7 @@ def _quantity(
     `smallest` is rounding."""
     time, values, reference = series["time"], series[name], None
     found = statistics.character(time, values, window, smallest)
-    if name in FORCES:
+    if is_force(name):
         extremes, values = statistics.of_force(time, values, window, width), statistics.box_filter(time, values, width)
     else:
         extremes = statistics.evaluate(time, values, window)
@@ -287,11 +293,11 @@ def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -
     """Return the amplitude of each column up to which it is rounding: a part of the largest force or displacement."""
     tail = statistics.last_third(series["time"]).of(series["time"])
     largest = {
-        kind: max((float(np.abs(series[name][tail]).max()) for name in names if (name in FORCES) == kind), default=0.0)
+        kind: max((float(np.abs(series[name][tail]).max()) for name in names if is_force(name) == kind), default=0.0)
         for kind in (False, True)
     }
     return {
-        name: (rounding if name in FORCES else statistics.ROUNDING["double"]) * largest[name in FORCES]
+        name: (rounding if is_force(name) else statistics.ROUNDING["double"]) * largest[is_force(name)]
         for name in names
     }
 
