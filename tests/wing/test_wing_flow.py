@@ -124,6 +124,7 @@ def test_a_driven_wing_has_the_table_of_a_flapping_rod(tmp_path):
     """Three periods, of which the ramp is left out."""
     heaves = scene(root_motion={"z": {"sine": {"amplitude": 0.1, "frequency": 2.5, "ramp": 0.4}}})
     heaves["time"] = {"end": 1.2, "communication_step": STEP}
+    heaves["fluid"] = heaves["fluid"] | {"box": heaves["fluid"]["box"] | {"cells": [16, 16, 16]}}
     done = nervure.run(validate(heaves), tmp_path, quiet=True)
     found, body, numbers = done.summary.flapping, done.summary.bodies["wing"], done.summary.dimensionless
     assert done.summary.window_s == pytest.approx((0.4, 1.2)) and done.summary.periods == 2
