@@ -21,7 +21,7 @@ const OF_BODY: f64 = 1.0;
 const OF_ROOT: f64 = 0.6;
 
 /// Part of the run that a start may spoil.
-const START: f64 = 0.2;
+const START: f64 = 0.3;
 
 /// Part of the largest rate or acceleration from which on a start is sudden.
 const SUDDEN: f64 = 0.1;
