@@ -100,7 +100,7 @@ def energy(run: Run) -> list[Found]:
     scene["time"]["communication_step"] = 4e-4
     facts = Facts(validate(scene))
     assert facts.scene.beam, "the scene has a beam"
-    averages = flapping.evaluate(facts, facts.scene.beam, run(scene), Window(2.0, 3.0, 1))
+    averages = flapping.evaluate(facts, facts.scales.get("beam"), run(scene), Window(2.0, 3.0, 1))
     assert averages, "the root is driven"
     balance: dict[str, Any] = averages.energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]

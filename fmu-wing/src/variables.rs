@@ -98,6 +98,16 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         let text = "Velocity of the node farthest from the pivot";
         Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing.velocities(d)[m.tip])
     }));
+    if unit.own.root_motion.is_some() {
+        list.extend(along_axes(|d, axis| {
+            let text = "Displacement of that node on a rigid wing";
+            Real::computed(format!("rigid_tip.u{axis}"), "m", text, move |m| {
+                let (base, node) = (&m.wing.state().own, m.wing.parameters().mesh.nodes[m.tip]);
+                let arm: [f64; 3] = std::array::from_fn(|e| node[e] - m.own.pivot[e]);
+                base.displacement[d] + (0..3).map(|e| base.rotation[d][e] * arm[e]).sum::<f64>() - arm[d]
+            })
+        }));
+    }
     list.extend(along_axes(|d, axis| {
         let text = "Sum of the loads on the nodes at the end of the step";
         Real::computed(format!("load.{axis}"), "N", text, move |m| m.wing.state().exchange.force[d])

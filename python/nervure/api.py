@@ -159,13 +159,15 @@ def _prepare_notebook() -> None:
 
 
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
-    """Draw the columns `names` of several runs over each other, labelled by their folders."""
+    """Draw the columns `names` of several runs over each other, labelled by their folders; a column in several units
+    has axes for each."""
     for run in runs:
         run._require(names)
     _prepare_notebook()
+    from nervure.evaluate import benchmark
     from nervure.output import plots
 
-    return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)
+    return plots.over_time({run.folder.name: run for run in runs}, names, benchmark.reference(runs[0].scene))
 
 
 class RunError(Exception):

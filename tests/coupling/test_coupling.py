@@ -244,6 +244,20 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
     assert found == told
 
 
+def test_a_difference_that_grows_is_told_again():
+    """12 % from the start, 14 % from 150 steps on and 25 % from 300 on."""
+    missing = lambda i: 0.12 if i < 150 else 0.14 if i < 300 else 0.25  # noqa: E731
+    [guard] = coupling.Explicit(
+        *powered(lambda i: 1.0 - missing(i), lambda i: 1.0), guards=Guards(window_steps=50)
+    ).guards
+    found = []
+    for i in range(600):
+        guard.rod.step(float(i), 1.0), guard.fluid.step(float(i), 1.0)
+        guard.check(i + 1.0, 1.0)
+        found += [text.split(" differ by ")[1][:4] for text in guard.warn(i + 1.0, 1.0)]
+    assert len(found) == 2 and found[0] == "12% " and int(found[1][:2]) > 17, found
+
+
 @pytest.mark.parametrize(
     ("window", "steps", "on_rod", "count"),
     [

@@ -175,3 +175,38 @@ def test_an_oscillation_that_ended_long_ago_is_no_part_of_the_window():
     window = statistics.find_window(time, values)
     assert (window.begin, window.end, window.periods) == pytest.approx((20 / 3, 10.0, 0))
     assert statistics.character(time, values, window).state == "changing"
+
+
+def test_a_start_before_a_drift_is_no_period():
+    """A spike at the first instant, and then a drift about 0.70 that crosses its mean once more."""
+    spike = np.where(TIME > 0, 10 * np.exp(-TIME / 0.05), 0.0)
+    window, found = evaluated(0.70 + 0.05 * np.sin(2 * np.pi * TIME / 7.0) + spike)
+    assert window.begin > TIME[-1] / 3, window
+    assert abs(found.mean - 0.70) < 0.06 and found.amplitude < 0.06, found
+
+
+def test_a_drive_leaves_its_first_period_out():
+    """Of eight periods, from the first upward crossing to the end."""
+    period = (TIME[-1] - 0.1) / 8
+    drive = np.sin(2 * np.pi * (TIME - 0.1) / period)
+    window = statistics.driven_window(TIME, drive, drive)
+    assert (window.periods, window.driven) == (7, True), window
+    assert (window.begin, window.end) == pytest.approx((0.1 + period, TIME[-1])), window
+
+
+@pytest.mark.parametrize("driven", [True, False])
+def test_the_force_on_a_driven_body_is_that_of_the_harmonics_of_the_drive(driven):
+    """0.055 at 1 Hz, under noise of 0.03 at 37.3 Hz."""
+    force = 0.4 + 0.055 * np.sin(2 * np.pi * TIME) + 0.03 * np.sin(2 * np.pi * 37.3 * TIME)
+    window = statistics.Window(1.0, 7.0, 6, driven)
+    found = statistics.of_force(TIME, force, window, 0.0)
+    if driven:
+        assert_close(found, 0.4, 0.055, 1.0, 0.02)
+    else:
+        assert found.amplitude > 0.08, found
+
+
+def test_a_force_that_the_drive_does_not_set_keeps_its_own_frequency():
+    force = 0.01 * np.sin(2 * np.pi * TIME) + np.sin(2 * np.pi * 1.7 * TIME)
+    found = statistics.of_force(TIME, force, statistics.Window(1.0, 7.0, 6, True), 0.0)
+    assert found.amplitude > 0.98 and found.frequency_hz == pytest.approx(1.7, rel=0.02), found

@@ -65,7 +65,10 @@ def test_coefficients_of_a_known_oscillation(swinging):
     assert moving.cp == pytest.approx(2.0 * 4 / (3 * np.pi), rel=1e-4)
     # The mean of cos² is a half; one sample at each turn of the motion has the force of inertia with either sign.
     assert moving.cycles["cd_path"].mean == pytest.approx(2.0 / 2, rel=0.02)
-    assert moving.cycles["cd"].mean == pytest.approx(-0.01 * 2 / (speed**2 * 0.2), rel=1e-3)
+    # Drag is along the path, and lift to its left.
+    across = 0.01 * np.sqrt(2) * 2 / (speed**2 * 0.2)
+    assert moving.cycles["cl"].mean == pytest.approx(across, rel=1e-3)
+    assert moving.cycles["cd"].mean == pytest.approx(0.0, abs=1e-3 * across)
     assert moving.cycles["cp"].scatter < 1e-4
     assert (still.kc, still.morison, still.cp) == (None, None, None) and "cd_path" not in still.cycles
 

@@ -104,6 +104,9 @@ def test_a_line_is_proposed_for_a_beam_of_few_cells(assignments, said):
     assert len(warnings) == said and all("`surface: line` is steadier" in text for text in warnings), warnings
 
 
+PLATE = {"shape": {"plate": {"length": 1.0, "width": 2.0}}}
+
+
 @pytest.mark.parametrize("kind", ["stream", "still"])
 def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     """A beam of 1 m in a stream along y with 1.2 m/s, or driven at 0.4 π m/s in still fluid of 1 kg/m³."""
@@ -119,17 +122,56 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     assert facts.numbers.velocity == pytest.approx(velocity)
     found = bodies.evaluate(facts, known, window, 0.0)["beam"]
     pressure = velocity**2 / 2
-    assert found.cd_mean == pytest.approx(-0.25 / pressure, rel=1e-4)
+    along, across = (-0.5, 0.25) if kind == "stream" else (-0.25, -0.5)
+    assert found.cd_mean == pytest.approx(along / pressure, rel=1e-4)
+    assert found.cl_mean == pytest.approx(across / pressure, rel=1e-4)
     assert found.cl_amplitude == pytest.approx(1.0 / pressure, rel=1e-4)
     assert found.ct == pytest.approx((0.5 if kind == "stream" else 0.25) / pressure, rel=1e-4)
     assert found.cp == pytest.approx(3.0 / pressure / velocity, rel=1e-4)
     assert found.st == pytest.approx(2.0 / velocity, rel=1e-4)
     assert found.st_tip == pytest.approx(2.0 * 0.3 / velocity, rel=1e-4)
     if kind == "stream":
-        assert scene.beam
         assert found.ct / found.cp == pytest.approx(
-            flapping.evaluate(facts, scene.beam, known, window).efficiency, rel=1e-9
+            flapping.evaluate(facts, facts.scales["beam"], known, window).efficiency, rel=1e-9
         )
+
+
+@pytest.mark.parametrize(
+    ("body", "stream", "said"),
+    [
+        (
+            {"motion": {"y": {"sine": {"amplitude": 0.02, "frequency": 8.0, "ramp": 0.2}}}},
+            0.0,
+            "Stokes layer of 0.3191",
+        ),
+        ({"motion": {"y": {"sine": {"amplitude": 0.02, "frequency": 0.5, "ramp": 0.2}}}}, 0.0, None),
+        (
+            {"motion": {"y": {"table": {"times": [0, 0.2], "values": [0, 0.02], "end_slopes": [0, 0.2]}}}},
+            0.0,
+            "at once",
+        ),
+        ({"motion": {"y": {"sine": {"amplitude": 0.02, "frequency": 0.5}}}}, 0.0, "at once"),
+        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 1.0, "0.84853 cells, and its chord 12"),
+        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 0.1, None),
+        (PLATE, 1.0, None),
+    ],
+)
+def test_layers_that_the_grid_does_not_resolve_are_told(body, stream, said):
+    """A sphere in still fluid of 0.01 m²/s on cells of 1/16 m, and a plate on cells of 1/12 m."""
+    cells = 64 if stream == 0.0 else 48
+    fluid = {
+        "density": 1.0,
+        "kinematic_viscosity": 0.01,
+        "box": {axis: [-2.0, 2.0] for axis in "xyz"} | {"cells": [cells] * 3},
+        "initial_velocity": [stream, 0.0, 0.0],
+        "mean_flow": {"x": {"constant": stream}},
+        "bodies": [{"shape": {"sphere": {"radius": 0.5}}, "position": [0.01, 0.01, 0.01], **body}],
+        "mask": {"log_linear": {"c_eta": 1e-5}},
+        "time_stepping": {"max_step": 0.002, "max_cfl": 0.4},
+    }
+    scene = {"name": "layers", "time": {"end": 0.4, "communication_step": 0.002}, "fluid": fluid}
+    told = [text for text in Facts(validate(scene)).warnings if "layer" in text]
+    assert len(told) == (said is not None) and all(said in text for text in told), told
 
 
 def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():

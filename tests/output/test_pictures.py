@@ -11,9 +11,10 @@ from PIL import Image
 
 import nervure
 from nervure.errors import InputError
-from nervure.evaluate import statistics
+from nervure.evaluate import benchmark, statistics
 from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from nervure.scene.types import PublishedQuantity, Reference
 from nervure.simulation.sweep import FINISHED
 from studies import limits
@@ -130,6 +131,37 @@ def test_the_published_band_covers_the_window_only(periodic):
         (drawn,) = axis.collections
         extent = drawn.get_paths()[0].get_extents()
         assert (extent.x0, extent.x1) == run.summary.window_s and extent.y1 == pytest.approx(0.9)
+
+
+def test_runs_in_several_units_do_not_share_an_axis(periodic):
+    time, make = periodic
+    plane, space = (make({"drag": np.sin(2 * np.pi * time)}) for _ in range(2))
+    space.units["drag"] = "N"
+    axes = plots.over_time({"plane": plane, "space": space}, ["drag"]).axes
+    labelled = [axis for axis in axes if axis.get_ylabel()]
+    assert [axis.get_ylabel() for axis in labelled] == ["drag [N/m]", "drag [N]"]
+    assert [len(axis.lines) for axis in labelled] == [2, 2], "raw and filtered"
+    scene = space.scene.copy({"display": {"length": "chords", "time": "periods"}})
+    other = nervure.Run(Facts(scene), space.folder, space.summary, space.series, space.units)
+    with pytest.raises(InputError, match="other units of length and time"):
+        plots.over_time({"plane": plane, "other": other}, ["drag"])
+
+
+@pytest.mark.parametrize(("mean", "shown"), [(0.8, "lift_mean"), (0.01, "lift_amplitude")])
+def test_a_sweep_shows_of_a_lift_what_is_larger(mean, shown):
+    row = {"status": FINISHED, "drag_mean": 1.0, "drag_amplitude": 0.1, "lift_mean": mean, "lift_amplitude": 0.2}
+    found = sweeps._quantities([row | {"side_mean": 0.0, "side_amplitude": 0.0}])
+    assert [name for name, *_ in found[:2]] == ["drag_mean", shown] and {unit for *_, unit in found} == {"N"}, found
+
+
+def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
+    shipped = nervure.load("flag-line-480x240")
+    finer, other = (
+        shipped.copy({"name": "my-flag", **changed})
+        for changed in ({"fluid.box.cells": [640, 320]}, {"fluid.kinematic_viscosity": 0.005})
+    )
+    assert title(finer, 9) == title(shipped, 9) and benchmark.reference(finer) == shipped.reference is not None
+    assert title(other, 9) == "my flag" and benchmark.reference(other) is None
 
 
 def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):

@@ -5,7 +5,7 @@ import pytest
 
 import nervure
 from nervure.evaluate import flapping, statistics
-from nervure.scene import types, validate
+from nervure.scene import validate
 from nervure.scene.facts import Facts
 from studies import flapping as cases, limits, simulate, thin
 
@@ -67,17 +67,24 @@ def known_signal():
     return columns, statistics.driven_window(time, columns["tip_ux"], columns["rigid_tip_ux"])
 
 
-def beam(*direction: float) -> types.Beam:
-    root = types.RootAt(at=types.At.model_validate({"position": [0.0, 0.0], "direction": direction}))
-    return types.Beam(root=root, length=1.0, thickness=0.1, segments=4)
+def with_beam(scene, *direction: float) -> Facts:
+    """The facts of a scene whose fluid has a beam."""
+    del scene["fluid"]["inflow"]
+    scene["beam"] = {
+        "root": {"at": {"position": [0.5, 0.0], "direction": direction}},
+        "length": 0.2,
+        "thickness": 0.1,
+        "segments": 4,
+    }
+    return Facts(validate(scene))
 
 
 def test_averages_of_a_known_signal(fluid_only):
     """In a stream along y."""
     known, window = known_signal()
-    del fluid_only["fluid"]["inflow"]
     fluid_only["fluid"] |= {"mean_flow": {"y": {"constant": 1.2}}, "initial_velocity": [0.0, 1.2]}
-    found = flapping.evaluate(Facts(validate(fluid_only)), beam(1.0, 0.0), known, window)
+    facts = with_beam(fluid_only, 1.0, 0.0)
+    found = flapping.evaluate(facts, facts.scales["beam"], known, window)
     assert found.axis == "x"
     assert found.direction == (1.0,)
     assert found.window_s == pytest.approx((0.5, 4.0)), "the last period of the record is in the window"
@@ -93,8 +100,9 @@ def test_averages_of_a_known_signal(fluid_only):
 def test_thrust_in_still_fluid_is_the_force_from_the_tip_to_the_root(fluid_only, direction, thrust, lift):
     """The fluid pushes the beam with 0.25 N/m against x and 0.5 N/m against y."""
     known, window = known_signal()
-    del fluid_only["fluid"]["inflow"]
-    found = flapping.evaluate(Facts(validate(fluid_only)), beam(*direction), known, window)
+    fluid_only["fluid"]["initial_velocity"] = [0.0, 0.0]
+    facts = with_beam(fluid_only, *direction)
+    found = flapping.evaluate(facts, facts.scales["beam"], known, window)
     expected = {"thrust": thrust, "lift": lift, "thrust_by_power": thrust / 3.0}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found.efficiency is None

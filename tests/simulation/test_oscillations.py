@@ -1,11 +1,14 @@
 """Waves as short as the grid, in a flow that is written in Python."""
 
+from typing import cast
+
 import numpy as np
 import pytest
 
 from nervure.scene import validate
 from nervure.simulation.loop import TimeGrid
 from nervure.simulation.oscillations import CHECKS, LEFT, GridOscillationMonitor
+from nervure.units.fmu import Unit
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

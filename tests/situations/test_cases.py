@@ -223,7 +223,7 @@ def in_inflow(bench):
 
 def bodies_collide(bench):
     moved = circle(-0.5, 0.0, 0.3, motion={"x": sine(1.0, 0.5)})
-    warning, _ = facts(json.dumps(changed(CHANNEL, fluid__bodies=[moved, circle(0.6, 0.0, 0.3)])))["warnings"]
+    warning, *_ = facts(json.dumps(changed(CHANNEL, fluid__bodies=[moved, circle(0.6, 0.0, 0.3)])))["warnings"]
     assert warning["text"].startswith("`fluid.bodies[1]` meets `fluid.bodies[0]` near [0.")
     # Half a metre is left between them: sin(pi t) = 0.5.
     assert warning["time"] == pytest.approx(1 / 6, abs=0.01)

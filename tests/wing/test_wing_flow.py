@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import nervure
 from nervure.coupling import Explicit
+from nervure.output.tables import print_table
 from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.session import Session
@@ -116,3 +118,31 @@ def test_a_short_run_tells_of_lost_work(tmp_path):
     with simulate.session(scene, tmp_path) as session:
         assert session.run().error is None
         assert any("the power on the wing and the power from the fluid differ" in said for said in session.warnings)
+
+
+def test_a_driven_wing_has_the_table_of_a_flapping_rod(tmp_path):
+    """Three periods, of which the ramp is left out."""
+    heaves = scene(root_motion={"z": {"sine": {"amplitude": 0.1, "frequency": 2.5, "ramp": 0.4}}})
+    heaves["time"] = {"end": 1.2, "communication_step": STEP}
+    heaves["fluid"] = heaves["fluid"] | {"box": heaves["fluid"]["box"] | {"cells": [16, 16, 16]}}
+    done = nervure.run(validate(heaves), tmp_path, quiet=True)
+    found, body, numbers = done.summary.flapping, done.summary.bodies["wing"], done.summary.dimensionless
+    assert done.summary.window_s == pytest.approx((0.4, 1.2)) and done.summary.periods == 2
+    inside = done.series["time"] >= 0.4 - 1e-9
+    mean = {
+        name: np.trapezoid(values[inside], done.series["time"][inside]) / 0.8
+        for name, values in done.series.items()
+        if name in ("root_power", "wing_drag", "wing_lift", "wing_side")
+    }
+    expected = (mean["root_power"], -mean["wing_drag"], mean["wing_side"], -mean["wing_lift"])
+    assert (found.power_in, found.thrust, found.lift, found.side) == pytest.approx(expected, rel=1e-9), found
+    assert found.axis == "z" and found.thrust_by_power == pytest.approx(found.thrust / found.power_in)
+    speed = 0.1 * 2 * np.pi * 2.5
+    assert (numbers.velocity, numbers.reynolds) == pytest.approx((speed, speed / 0.02))
+    assert numbers.reduced_frequency == pytest.approx(np.pi * 2.5 / speed)
+    assert body.cp == pytest.approx(2 * found.power_in / speed**3), "of 1 m²"
+    assert {"section_twist", "section_camber", "side"} <= done.summary.quantities.keys()
+    with (console := Console(width=200)).capture() as shown:
+        print_table(console, done.summary)
+    for part in ("side mean [N]", "thrust, cycle mean [N]", "section_twist", "A 1 m², drag along x, lift along z"):
+        assert part in shown.get(), shown.get()

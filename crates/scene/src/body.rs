@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Mount;
+use crate::scales::ReferenceScales;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -39,6 +40,9 @@ pub struct Body {
     /// Springs and dampers on which the fluid moves the body; absent for one that is still or has a motion.
     #[serde(default)]
     pub mount: Option<Mount>,
+    /// Scales of its coefficients, in place of those that follow from shape and stream.
+    #[serde(default)]
+    pub reference: Option<ReferenceScales>,
 }
 
 /// What prescribes the motion of a body: laws, or the word `master`.
@@ -245,6 +249,10 @@ impl Body {
         if let Some(mount) = &self.mount {
             mount.check(&format!("{key}.mount"), is_space, faults);
         }
+        let flat_area = !is_space && self.reference.as_ref().is_some_and(|own| own.area.is_some());
+        faults.forbid(flat_area, &format!("{key}.reference.area"), || {
+            "in two dimensions forces are per metre of depth, and coefficients refer to a length".into()
+        });
         let motion = self.laws();
         let axes = [
             ("turn.axis", self.turn.as_ref().map(|turn| turn.axis)),
@@ -419,6 +427,7 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
+        self.reference.check_at(&format!("{key}.reference"), faults);
         faults.forbid(self.mount.is_some() && self.motion.is_some(), &format!("{key}.mount"), || {
             "`motion` moves the body already; remove one of the two".into()
         });

@@ -6,9 +6,10 @@
 //! Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
 //! ```
 //!
-//! with U the velocity that drives the flow, of a body that falls that at a drag coefficient of 1, L the diameter of the
-//! first cylinder, else the length of the first body or beam (in M and K always that of the beam), f the frequency of the
-//! drive, and mu and EI mass per area and bending stiffness of the first beam at its root, per metre of depth.
+//! with U the velocity that drives the flow, of a body that falls that at a drag coefficient of 1, L the length of the first cylinder, body, beam or wing (`scales.rs`; in M
+//! and K always that of the beam), f the frequency of the drive, and mu and EI mass per area and bending stiffness of the
+//! first beam at its root, per metre of depth, or the mean of a wing and the stiffness of its membrane. A stream is what
+//! a flow keeps or oscillates about: a gust that ends is none.
 //!
 //! The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a
 //! body is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L at a plate.
@@ -16,6 +17,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use geometry::vector::{self, minus};
 use mesh::Mesh;
 use method::{Support, Surface};
 use serde::Serialize;
@@ -25,8 +27,10 @@ use crate::body::{Body, Shape};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::law_warnings;
+use crate::layers::layers;
 use crate::mount::Freedom;
 use crate::root::RootMotion;
+use crate::scales::{Scales, fastest, reach_from_axis, scales};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
 use crate::warnings::warnings;
@@ -47,9 +51,10 @@ pub struct Facts {
     pub laws: BTreeMap<&'static str, LawFacts>,
     /// Dimensionless numbers; absent without a fluid.
     pub dimensionless: Option<Dimensionless>,
-    /// Areas that the coefficients of bodies in space refer to, by the name of their force, m².
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub areas: BTreeMap<String, f64>,
+    /// Scales of the coefficients of bodies, by the name of their force.
+    pub scales: BTreeMap<String, Scales>,
+    /// Velocity of the stream, m/s; absent in still fluid.
+    pub stream: Option<[f64; 3]>,
     /// Mesh of the wing; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wing: Option<WingFacts>,
@@ -159,7 +164,12 @@ pub struct Resolution {
 
 /// A velocity that drives the flow.
 struct Drive {
+    /// Speed of what stays, m/s; of a motion the largest.
     speed: f64,
+    /// Largest speed, m/s.
+    largest: f64,
+    /// Velocity of what stays, m/s; of a motion zero.
+    velocity: [f64; 3],
     name: String,
     frequency: Option<f64>,
 }
@@ -168,21 +178,34 @@ impl Scene {
     /// Return the facts of the scene.
     pub fn facts(&self) -> Facts {
         let beams: Vec<_> = self.beams_with_rods().map(|beam| beam_facts(self, &beam)).collect();
-        let sizes = sizes(self, &beams);
-        let dimensionless = self.fluid.as_ref().map(|fluid| dimensionless(self, fluid, &beams, &sizes));
+        let streams = self.fluid.as_ref().map(streams).unwrap_or_default();
+        let stream = streams.iter().find(|drive| drive.speed > 0.0).map(|drive| drive.velocity);
+        let scales = scales(self, stream);
+        let dimensionless = self.fluid.as_ref().map(|fluid| dimensionless(self, fluid, &beams, &streams, &scales));
         let fluid_steps = match (&self.fluid, &dimensionless) {
             (Some(fluid), Some(numbers)) => fluid_steps(self.time.communication_step, fluid, numbers.cfl),
             _ => 1,
         };
         let mut warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
         warnings.extend(law_warnings::of(self));
+        let velocity = dimensionless.as_ref().and_then(|numbers| numbers.velocity);
+        warnings.extend(self.fluid.iter().flat_map(|fluid| layers(self, fluid, &scales, velocity)));
         if let (Some(fluid), Some(Dimensionless { length: Some(length), velocity, .. })) = (&self.fluid, &dimensionless)
         {
             let passage = velocity.map(|velocity| length / velocity);
             warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passage));
         }
         let wing = self.wing.as_ref().map(wing_facts);
-        Facts { beams, laws: laws(self), dimensionless, areas: areas(self), wing, fluid_steps, warnings }
+        Facts {
+            beams,
+            laws: laws(self),
+            dimensionless,
+            scales: scales.into_iter().collect(),
+            stream,
+            wing,
+            fluid_steps,
+            warnings,
+        }
     }
 }
 
@@ -223,24 +246,11 @@ fn laws(scene: &Scene) -> BTreeMap<&'static str, LawFacts> {
     laws.into_iter().map(|(key, law)| (key, LawFacts { settles: law.settles() })).collect()
 }
 
-fn areas(scene: &Scene) -> BTreeMap<String, f64> {
-    let bodies = scene.fluid.iter().filter(|fluid| fluid.is_space()).flat_map(|fluid| {
-        let ends: Vec<_> = fluid.r#box.ends().collect();
-        (1..).zip(&fluid.bodies).map(move |(i, own)| (format!("body_{i}"), own.shape.reference_area(&ends)))
-    });
-    bodies.collect()
-}
-
-fn sizes(scene: &Scene, beams: &[BeamFacts]) -> Vec<(String, [f64; 2])> {
-    let mut sizes = Vec::new();
-    if let Some(fluid) = &scene.fluid {
-        sizes.extend(fluid.obstacles().map(|own| (own.force, own.body.shape.size())));
-    }
-    sizes.extend(scene.beams_with_rods().zip(beams).map(|(own, facts)| {
-        let thinnest = facts.thickness.iter().copied().fold(f64::INFINITY, f64::min);
-        (own.force_name(), [own.beam.length, thinnest])
-    }));
-    sizes
+/// Return the thicknesses of bodies, beams and wings in the order of the fluid, m.
+fn thicknesses(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts]) -> Vec<f64> {
+    let bodies = fluid.obstacles().map(|own| own.body.shape.size()[1]);
+    let thinnest = |facts: &BeamFacts| facts.thickness.iter().copied().fold(f64::INFINITY, f64::min);
+    bodies.chain(beams.iter().map(thinnest)).chain(scene.wing.iter().map(|_| 0.0)).collect()
 }
 
 /// Return the number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
@@ -250,22 +260,34 @@ fn fluid_steps(step: f64, fluid: &Fluid, cfl: Option<f64>) -> u64 {
     (at_least_one(step / stepping.max_step) * at_least_one(cfl.unwrap_or(0.0) / stepping.max_cfl)) as u64
 }
 
-fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(String, [f64; 2])]) -> Dimensionless {
+fn dimensionless(
+    scene: &Scene,
+    fluid: &Fluid,
+    beams: &[BeamFacts],
+    streams: &[Drive],
+    scales: &[(String, Scales)],
+) -> Dimensionless {
     let (rho, nu) = (fluid.density, fluid.kinematic_viscosity);
-    let (streams, motions) = (streams(fluid), motions(scene, fluid));
-    let drive = streams.iter().chain(&motions).find(|drive| drive.speed > 0.0);
-    let velocity = drive.map(|drive| drive.speed);
-    let frequency = motions.iter().chain(&streams).find_map(|drive| drive.frequency);
-    let largest = |drives: &[Drive]| drives.iter().map(|drive| drive.speed).fold(0.0, f64::max);
+    let motions = motions(scene, fluid);
+    let steady = streams.iter().chain(&motions).find(|drive| drive.speed > 0.0).map(|drive| (drive.speed, drive));
+    // A flow that only goes to and fro has its largest speed.
+    let swinging = || streams.iter().find(|drive| drive.largest > 0.0).map(|drive| (drive.largest, drive));
+    let drive = steady.or_else(swinging).map(|(speed, drive)| (speed, drive.name.clone()));
+    let first_scales = scales.first().map(|(_, own)| own);
+    let chosen = first_scales.and_then(|own| Some((own.speed?, "reference".to_string())));
+    let (velocity, velocity_of) = chosen.or(drive).unzip();
+    let frequency = motions.iter().chain(streams).find_map(|drive| drive.frequency);
+    let largest = |drives: &[Drive]| drives.iter().map(|drive| drive.largest).fold(0.0, f64::max);
     let peak = fluid.inflow.as_ref().map_or(1.0, |inflow| inflow.profile.peak());
-    let fastest = peak * f64::hypot(largest(&streams), largest(&motions));
+    let fastest = peak * f64::hypot(largest(streams), largest(&motions));
 
     let spacing = fluid.r#box.spacing();
     let (coarsest, finest) =
         (spacing.iter().copied().fold(0.0, f64::max), spacing.iter().copied().fold(f64::INFINITY, f64::min));
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
-    let length = sizes.first().map(|(_, [length, _])| *length);
-    let bodies = sizes.iter().enumerate().map(|(i, (name, [length, thickness]))| {
+    let length = first_scales.map(|own| own.length);
+    let thicknesses = thicknesses(scene, fluid, beams);
+    let bodies = scales.iter().zip(thicknesses).enumerate().map(|(i, ((name, Scales { length, .. }), thickness))| {
         let is_beam = i >= fluid.cylinders.len() + fluid.bodies.len();
         let strain = if is_beam && i > 0 { 0.0 } else { strain_factor(fluid, i) * fastest / length };
         let resolution = Resolution {
@@ -279,8 +301,12 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
     let first = scene.beams_with_rods().next().zip(beams.first()).and_then(|(own, facts)| {
         Some((own.beam.length, facts.line_density.as_ref()?[0] / rho, facts.bending_stiffness.as_ref()?[0]))
     });
-    // These numbers are of a metre of depth.
-    let first = first.filter(|_| !fluid.is_space());
+    // These numbers of a beam are of a metre of depth.
+    let first = first.filter(|_| !fluid.is_space()).or_else(|| {
+        let (wing, length) = (scene.wing.as_ref()?, length?);
+        let membrane = wing.membrane.filter(|membrane| membrane.bending_stiffness > 0.0);
+        Some((length, mean_density(wing) / rho, membrane.map_or(f64::NAN, |membrane| membrane.bending_stiffness)))
+    });
     let section = |thickness: f64| if fluid.is_space() { PI / 4.0 * thickness * thickness } else { thickness };
     let ratios = beams.iter().filter_map(|facts| {
         let masses = facts.line_density.as_ref()?.iter().zip(&facts.thickness);
@@ -289,9 +315,9 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
     let number = |value: Option<f64>| value.filter(|value| value.is_finite());
     Dimensionless {
         velocity,
-        velocity_of: drive.map(|drive| drive.name.clone()),
+        velocity_of,
         length,
-        length_of: sizes.first().map(|(name, _)| name.clone()),
+        length_of: scales.first().map(|(name, _)| name.clone()),
         reynolds: number(velocity.zip(length).map(|(u, l)| u * l / nu)),
         reduced_frequency: number(velocity.zip(length).zip(frequency).map(|((u, l), f)| PI * f * l / u)),
         mass_ratio: number(first.map(|(span, mass, _)| mass / span)),
@@ -344,57 +370,98 @@ fn speed([x, y, z]: [f64; 3]) -> f64 {
     f64::hypot(f64::hypot(x, y), z)
 }
 
+/// Return the mass of a wing by its area, kg/m².
+fn mean_density(wing: &Wing) -> f64 {
+    let mesh = wing.mesh.build();
+    let materials = wing.materials(&mesh);
+    let areas = mesh.triangles.iter().map(|corners| mesh::triangle_area(&corners.map(|node| mesh.nodes[node])));
+    let of_region = |i: usize| wing.regions.get(i.checked_sub(1)?).map(|region| region.membrane);
+    let (mut mass, mut area) = (0.0, 0.0);
+    for (t, own) in areas.enumerate() {
+        let membrane = materials.get(t).and_then(|i| of_region(*i)).or(wing.membrane);
+        (mass, area) = (mass + own * membrane.map_or(0.0, |membrane| membrane.areal_density), area + own);
+    }
+    for vein in &wing.veins {
+        let nodes = mesh.chain(&vein.chain).unwrap_or_default();
+        let length: f64 =
+            nodes.windows(2).map(|pair| vector::norm(minus(mesh.nodes[pair[1]], mesh.nodes[pair[0]]))).sum();
+        let tip = vein.tip_diameter;
+        mass += vein.line_density * length * (1.0 + tip + tip * tip) / 3.0;
+    }
+    mass / area
+}
+
 /// Return the velocities of the flow that the scene asks for.
 fn streams(fluid: &Fluid) -> Vec<Drive> {
     let mut streams = Vec::new();
-    let mut add = |speed: f64, name: &str, frequency| streams.push(Drive { speed, name: name.into(), frequency });
+    let mut add = |laws: [Option<&TimeLaw>; 3], name: &str| {
+        let velocity = laws.map(|law| law.map_or(0.0, TimeLaw::kept));
+        streams.push(Drive {
+            speed: speed(velocity),
+            largest: speed(laws.map(|law| law.map_or(0.0, TimeLaw::largest))),
+            velocity,
+            name: name.into(),
+            frequency: laws.into_iter().flatten().find_map(TimeLaw::frequency),
+        });
+    };
     if let Some(inflow) = &fluid.inflow {
-        add(inflow.mean_velocity.largest(), "inflow", inflow.mean_velocity.frequency());
+        add([Some(&inflow.mean_velocity), None, None], "inflow");
     }
     if let Some(flow) = &fluid.mean_flow {
-        let frequency = flow.laws().into_iter().find_map(|(_, law)| law.frequency());
-        add(speed(flow.laws().map(|(_, law)| law.largest())), "mean flow", frequency);
+        add(flow.laws().map(|(_, law)| Some(law)), "mean flow");
     }
     if let Some(sponge) = &fluid.sponge {
-        add(sponge.mean_velocity.largest(), "sponge", sponge.mean_velocity.frequency());
+        add([Some(&sponge.mean_velocity), None, None], "sponge");
     }
-    add(
-        speed(std::array::from_fn(|axis| fluid.initial_velocity.get(axis).copied().unwrap_or(0.0))),
-        "initial velocity",
-        None,
-    );
+    let initial: [f64; 3] = std::array::from_fn(|axis| fluid.initial_velocity.get(axis).copied().unwrap_or(0.0));
+    let laws = initial.map(TimeLaw::Constant);
+    add(std::array::from_fn(|axis| Some(&laws[axis])), "initial velocity");
     streams
 }
 
 /// Return the largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only
-/// turns, of a body that falls with a drag coefficient of 1, of the tip of a beam as if it were rigid.
+/// turns, of a body that falls with a drag coefficient of 1, of the tip of a beam or a wing as if it were rigid.
 fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
+    let ends: Vec<_> = fluid.r#box.ends().collect();
     let mut motions = Vec::new();
+    let mut add = |speed: f64, name: String, frequency| {
+        motions.push(Drive { speed, largest: speed, velocity: [0.0; 3], name, frequency });
+    };
     for own in fluid.obstacles() {
         let Some(motion) = own.body.laws() else { continue };
         let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
-        motions.push(Drive {
-            speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(&own.body) },
-            name: format!("motion of {}", own.name),
-            frequency: first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
-        });
+        let farthest = || match fluid.is_space() {
+            true => reach_from_axis(&own.body, &ends),
+            false => reach(&own.body),
+        };
+        add(
+            if speed > 0.0 { speed } else { motion.angle.largest_rate() * farthest() },
+            format!("motion of {}", own.name),
+            first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
+        );
     }
-    let ends: Vec<_> = fluid.r#box.ends().collect();
     for (i, body) in fluid.bodies.iter().enumerate() {
-        let area = if fluid.is_space() { body.shape.reference_area(&ends) } else { body.shape.size()[0] };
-        let weight = speed(body.free_weight(fluid.density, &ends));
-        let (speed, name) = ((2.0 * weight / (fluid.density * area)).sqrt(), format!("fall of body {}", i + 1));
-        motions.push(Drive { speed, name, frequency: None });
+        let area = if fluid.is_space() { body.shape.sides(&ends).1 } else { body.shape.size()[0] };
+        let weight = self::speed(body.free_weight(fluid.density, &ends));
+        add((2.0 * weight / (fluid.density * area)).sqrt(), format!("fall of body {}", i + 1), None);
     }
     for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
         let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };
         let all: Vec<_> = laws.all().collect();
-        motions.push(Drive {
-            speed: norm(all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length })),
-            name: "drive of the root".into(),
-            frequency: first_frequency(&all),
-        });
+        let rates = all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length });
+        add(norm(rates), "drive of the root".into(), first_frequency(&all));
+    }
+    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.root_motion.as_ref()?))) {
+        let arms = wing.mesh.build().nodes.into_iter().map(|node| minus(node, wing.pivot));
+        let arm = arms.max_by(|a, b| vector::norm(*a).total_cmp(&vector::norm(*b))).unwrap_or_default();
+        let velocity = |t: f64| {
+            let (shift, turn) = (laws.displacement(t).1, laws.direction(t, arm).1);
+            std::array::from_fn(|d| shift[d] + turn[d])
+        };
+        let all: Vec<_> = laws.all().collect();
+        let speed = vector::norm(fastest(velocity, scene.time.end));
+        add(speed, "drive of the root".into(), first_frequency(&all));
     }
     motions
 }
@@ -429,26 +496,6 @@ impl InflowProfile {
 }
 
 impl Shape {
-    /// Return the reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the
-    /// largest face of a cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along
-    /// its axis, one side of a surface.
-    fn reference_area(&self, ends: &[[f64; 2]]) -> f64 {
-        let two_largest = |lengths: &[f64; 3]| {
-            let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
-            lengths.iter().product::<f64>() / least
-        };
-        match self {
-            Self::Sphere { radius } => PI * radius * radius,
-            Self::Ellipsoid { lengths } => PI / 4.0 * two_largest(lengths),
-            Self::Cuboid { lengths } => two_largest(lengths),
-            Self::CircularCylinder { axis, radius, length } => {
-                let [low, high] = ends[*axis as usize];
-                2.0 * radius * length.unwrap_or(high - low)
-            }
-            _ => self.surface().map_or(0.0, |(nodes, triangles)| mesh::area(&nodes, &triangles)),
-        }
-    }
-
     /// Return the length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest
     /// distance of two corners, and its area by that; of a line the largest distance of two points, and 0; of a surface
     /// the largest side of the frame around it, and 0.

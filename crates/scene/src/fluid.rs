@@ -224,6 +224,7 @@ impl From<&Cylinder> for Body {
             turn: None,
             motion: cylinder.motion.clone().map(motion),
             mount: None,
+            reference: None,
         }
     }
 }

@@ -324,6 +324,58 @@ impl TimeLaw {
     }
 }
 
+impl TimeLaw {
+    /// Return a bound of the magnitude of the second rate, per second squared; of oscillations without their ramps.
+    pub(crate) fn largest_acceleration(&self) -> f64 {
+        let square = |omega: f64| omega * omega;
+        match self {
+            Self::Constant(_) => 0.0,
+            Self::CosineRamp { value, duration } => value.abs() * square(PI / duration) / 2.0,
+            Self::Sine { amplitude, frequency, .. } => amplitude.abs() * square(2.0 * PI * frequency),
+            Self::Fourier { frequency, cosines, sines, .. } => {
+                harmonics(cosines, sines).map(|(k, [a, b])| square(2.0 * PI * frequency * k) * a.hypot(b)).sum()
+            }
+            // The second derivative of a spline is linear between its points.
+            Self::Table(Table { points, .. }) => {
+                let between = points.times.windows(2).flat_map(|pair| {
+                    let h = (pair[1] - pair[0]) / f64::from(SAMPLES);
+                    let second = |a: f64, b: f64| (self.value_and_rate(b).1 - self.value_and_rate(a).1).abs() / (b - a);
+                    [second(pair[0], pair[0] + h), second(pair[1] - h, pair[1] - 1e-9 * h)]
+                });
+                between.fold(0.0, f64::max)
+            }
+            Self::Sum(laws) => laws.iter().map(Self::largest_acceleration).sum(),
+        }
+    }
+
+    /// Return whether rate or second rate jump at the start by more than a `part` of their largest values.
+    pub(crate) fn starts_at_once(&self, part: f64) -> bool {
+        let (rate, acceleration) = (self.largest_rate(), self.largest_acceleration());
+        let begin = match self {
+            Self::Table(Table { points, .. }) if !points.periodic => points.times[0].max(0.0),
+            _ => 0.0,
+        };
+        let h = 1e-4 * rate / acceleration;
+        let [first, second] = [begin + 1e-3 * h, begin + h].map(|t| self.value_and_rate(t).1);
+        first.abs() > part * rate || (second - first).abs() / h > part * acceleration
+    }
+
+    /// Return the value that the law keeps in the end, or about which it oscillates.
+    pub(crate) fn kept(&self) -> f64 {
+        match self {
+            Self::Sine { mean, .. } | Self::Fourier { mean, .. } => *mean,
+            Self::Table(Table { points, .. }) if points.periodic => {
+                let (begin, end) = (points.times[0], points.times[points.times.len() - 1]);
+                let count = SAMPLES * points.times.len() as u32;
+                let times = (0..count).map(|i| begin + (end - begin) * f64::from(i) / f64::from(count));
+                times.map(|t| self.value(t)).sum::<f64>() / f64::from(count)
+            }
+            Self::Sum(laws) => laws.iter().map(Self::kept).sum(),
+            _ => self.settles().map_or(0.0, |(_, value)| value),
+        }
+    }
+}
+
 impl Check for TimeLaw {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         match self {

@@ -296,13 +296,6 @@ fn symmetry(
         across.retain(|&axis| is_flat(axis) && parts.iter().any(|part| !part.is_body()));
     }
     let is_round = across.len() == 2 && shapes.iter().all(|own| matches!(own, Shape::Solid(_)));
-    // A wing has no length among the dimensionless numbers.
-    let of_wing = || {
-        let mean = fluid.mean_flow.as_ref().map_or(0.0, |mean| mean.laws()[axis].1.largest());
-        let speed = fluid.initial_velocity.get(axis).copied().unwrap_or(0.0).abs().max(mean);
-        Some(speed * extent(shapes.last()?, axis) / fluid.kinematic_viscosity)
-    };
-    let reynolds = if scene.wing.is_some() { of_wing() } else { reynolds };
     if across.is_empty() || reynolds.is_none_or(|re| re < if is_round { SHEDDING_ROUND } else { SHEDDING }) {
         return None;
     }

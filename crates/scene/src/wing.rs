@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults, list};
 use crate::root::RootLaws;
+use crate::scales::ReferenceScales;
 
 /// Most nodes of a wing.
 const MOST_NODES: usize = 100_000;
@@ -45,6 +46,9 @@ pub struct Wing {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub relaxation_time: f64,
+    /// Scales of its coefficients, in place of those that follow from mesh, stream and drive.
+    #[serde(default)]
+    pub reference: Option<ReferenceScales>,
     /// Time scheme.
     #[serde(default)]
     pub scheme: Scheme,
@@ -332,6 +336,7 @@ impl Check for Wing {
         if let WingMesh::File(file) = &self.mesh {
             return faults.refuse_file(&format!("{key}.mesh.file"), file);
         }
+        self.reference.check_at(&format!("{key}.reference"), faults);
         let before = faults.len();
         let names = self.mesh.chains();
         let known = || format!("the chains of the mesh are {}", list(names.iter(), "and"));

@@ -17,6 +17,9 @@ WARN_RATIO = 0.1
 """Difference of the powers on the rod and from the fluid, by the exchanged power, above which the run warns. FSI3 has
 0.05."""
 
+GROWN = 1.5
+"""Growth of that difference from which on the run warns again."""
+
 PENALIZED = 2.0
 """Longest step by C_eta under the pressure jump without iteration, for rods lighter than the added mass: of one with
 0.3 of the density of the fluid, 2 holds and 5 does not."""
@@ -89,7 +92,7 @@ class EnergyGuard:
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
-        self.warned = False
+        self.warned = 0.0  # Largest difference of which the run has warned, by the exchanged power
         self.balance = Balance()
 
     def check(self, t: float, h: float) -> None:
@@ -115,10 +118,10 @@ class EnergyGuard:
             )
 
     def warn(self, t: float, h: float, at_end: bool = False) -> Iterator[str]:
-        """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
-        on, or at its end."""
+        """Yield, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes on,
+        or at its end, and again when the difference has grown by half."""
         window, steps = self.guards.window_steps, int(self.balance.steps)
-        if self.warned or self.guards.largest_imbalance is None or not self.momentum:
+        if self.guards.largest_imbalance is None or not self.momentum:
             return
         last = (steps - 1) % window + 1 if steps else 0  # Steps since the end of a window, or in the whole one
         fading = (window, self.balance.difference, self.balance.exchanged)
@@ -129,7 +132,7 @@ class EnergyGuard:
             judged.append(own)
         for count, difference, exchanged in judged:
             if self._exceeds(count, difference, exchanged):
-                self.warned = True
+                self.warned = difference / exchanged
                 yield (
                     f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}; "
                     f"{self.advice(h)}"
@@ -138,7 +141,9 @@ class EnergyGuard:
 
     def _exceeds(self, count: int, difference: float, exchanged: float) -> bool:
         """Return whether the run warns of sums over `count` steps."""
-        return difference > WARN_RATIO * exchanged and exchanged > count * self.guards.min_power
+        return (
+            difference > max(WARN_RATIO, GROWN * self.warned) * exchanged and exchanged > count * self.guards.min_power
+        )
 
     def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""

@@ -1,17 +1,18 @@
 """Changes of a benchmark after which its published values are those of another problem.
 
-A scene is a benchmark if a shipped scene has the same `reference`. Grid, wall model, steps and schemes may differ:
-their effect is what a comparison shows.
+A scene is a benchmark if a shipped scene has the same `reference`, and a copy if one has the same `description`. Grid,
+wall model, steps and schemes may differ: their effect is what a comparison shows.
 """
 
 import json
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal
 
 from nervure.resources import SCENES
 from nervure.scene import Scene
 from nervure.scene.part import Part
+from nervure.scene.types import Reference
 
 NUMERICS = {
     "fluid": (
@@ -20,28 +21,37 @@ NUMERICS = {
     ),
     "inflow": ("x", "c_eta"),
     "sponge": ("x", "c_eta"),
+    "bodies": ("reference",),
     "beam": ("segments",),
     "rod": ("bending", "calibration", "clamp_compliance_length", "scheme", "max_step"),
+    "wing": ("scheme", "max_step", "reference"),
+    "rectangular": ("along",),
+    "elliptical": ("along",),
+    "insect": ("along",),
 }
 """Keys of each part that are not physics."""
 
-PARTS = ("fluid", "beam", "rod", "rods")
+PARTS = ("fluid", "beam", "rod", "rods", "wing")
 
 
-def changed(scene: Scene) -> list[str]:
-    """Return the keys in which a benchmark differs from the most similar shipped scene with its reference; none for a
-    scene whose reference no shipped scene has."""
-    if scene.reference is None:
+def changed(scene: Scene, part: Literal["reference", "description"] = "reference") -> list[str]:
+    """Return the keys in which a scene differs from the most similar shipped scene with the same `part`; none where no
+    shipped scene has it."""
+    if not (given := scene.document().get(part)):
         return []
-    reference, mine = scene.reference.document(), dict(_physics(scene))
-    found: list[list[str]] = []
+    mine, found = dict(_physics(scene)), list[list[str]]()
     for path in sorted(SCENES.glob("*.json")):
         document = json.loads(path.read_text(encoding="utf-8"))
-        if document.get("reference") == reference:
+        if document.get(part) == given:
             theirs = dict(_physics(Scene.model_validate(document)))
             keys = dict.fromkeys([*mine, *theirs])
             found.append([key for key in keys if not _equal(mine.get(key), theirs.get(key))])
     return min(found, key=len, default=[])
+
+
+def reference(scene: Scene) -> Reference | None:
+    """Return the published values that are those of the scene: none of a benchmark with changes."""
+    return None if changed(scene) else scene.reference
 
 
 def _equal(one: Any, other: Any) -> bool:

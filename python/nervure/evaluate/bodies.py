@@ -1,10 +1,10 @@
 """Coefficients of each body in the flow, over the window of the run.
 
-    c = 2 F / (rho U² L),   C_P = 2 P / (rho U³ L),   St = f L / U,   KC = U_m / (f L)
+    c = 2 F / (rho U² A),   C_P = 2 P / (rho U³ A),   St = f L / U,   KC = U_m / (f L)
 
-with force F and power P per metre of depth, the velocity U of `scene.facts`, the diameter or length L of the
-body, and the largest speed U_m of a body that oscillates. Thrust and power are averages over time; drag and lift have
-mean and amplitude from their extremes.
+with the speed U, length L, area A and the directions of `scene.facts`, and the largest speed U_m of a body that
+oscillates. In the plane F and P are per metre of depth, and L is in the place of A. Thrust and power are averages over
+time; drag, lift and side have mean and amplitude from their extremes.
 
 The force on a body that oscillates along a line in still fluid is split (Morison, O'Brien, Johnson & Schaaf 1950),
 
@@ -20,9 +20,10 @@ from itertools import pairwise
 import numpy as np
 
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.rods import rod_columns
+from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene.facts import Facts
+from nervure.scene.solids import placed
 from nervure.scene.types import BodyMotion, Fluid, Motion, TimeLaw, TimeLawConstant, TimeLawSine
 
 
@@ -44,14 +45,30 @@ class Morison:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BodyCoefficients:
-    """Coefficients of one body. Drag is the force along x, lift the force along y, and thrust the force against the
-    stream, or against x without a stream."""
+class ReferenceScales:
+    """What the coefficients of a body refer to, and the unit vectors of its forces."""
 
+    speed: float  # U, m/s
+    speed_of: str  # The part of the scene that has this speed
+    length: float  # L, m
+    area: float | None  # A, m²; None in the plane
+    drag: tuple[float, ...]
+    lift: tuple[float, ...]
+    side: tuple[float, ...] | None  # None in the plane
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyCoefficients:
+    """Coefficients of one body along the directions of `reference`; thrust is against the drag."""
+
+    reference: ReferenceScales | None = None  # None in results of earlier versions
     cd_mean: float
     cd_amplitude: float
     cl_mean: float
     cl_amplitude: float
+    cs_mean: float | None = None  # Side; None in the plane
+    cs_amplitude: float | None = None
+    own_axes: tuple[float, ...] | None = None  # Means along the own, moving axes of a rigid body; None for others
     ct: float
     cp: float | None  # Of the power of the drive; None without a drive
     st: float | None  # From the frequency of the lift; None without an oscillation
@@ -67,47 +84,77 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
     fluid, numbers = facts.scene.fluid, facts.numbers
     if fluid is None or numbers is None or not numbers.velocity:
         return {}
-    time, velocity = series["time"], numbers.velocity
-    stream = flapping.stream(facts, window)
-    ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
+    time = series["time"]
     motions = dict(_motions(fluid))
     rods = {own.force: own for own in facts.beams}
     found = {}
-    for name, body in numbers.bodies.items():
-        own = rod_columns(series, rods[name]) if name in rods else None
-        forces = [f"{name}_drag", f"{name}_lift"]
-        if not series.keys() >= {*forces}:
+    for name in numbers.bodies:
+        own = rod_columns(series, rods[name]) if name in rods else wing_columns(series) if name == "wing" else None
+        force = flapping.forces(series, name)
+        if force is None or len(force) < 2:
             continue
-        area = facts.areas.get(name)  # In space; in the plane per metre of depth
-        pressure = fluid.density * velocity**2 * (body.length if area is None else area) / 2
-        drag, lift = (
-            statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
-        )
-        thrust = ahead @ [flapping.average(time, series[force], window) for force in forces]
+        scales = facts.scales[name]
+        velocity = scales.speed or numbers.velocity
+        pressure = fluid.density * velocity**2 * (scales.length if scales.area is None else scales.area) / 2
+        directions = scales.directions(len(force))
+        curves = dict(zip(("cd", "cl", "cs"), directions @ force / pressure, strict=False))
+        if len(force) == 2:
+            del curves["cs"]
+        drag, lift, *side = (statistics.of_force(time, curve, window, width) for curve in curves.values())
         power = power_in(name, series) if name in motions else own.get("root_power") if own else None
-        curves = {"cd": series[forces[0]] / pressure, "cl": series[forces[1]] / pressure}
-        if stream is None and f"{name}_x" in series and name in motions:
+        if facts.stream is None and f"{name}_x" in series and name in motions:
             curves["cd_path"] = against_path(name, series) / pressure
         if power is not None:
             curves["cp"] = power / (pressure * velocity)
         laws = motions.get(name)
         oscillation = _oscillation(laws) if laws else None
         found[name] = BodyCoefficients(
-            cd_mean=drag.mean / pressure,
-            cd_amplitude=drag.amplitude / pressure,
-            cl_mean=lift.mean / pressure,
-            cl_amplitude=lift.amplitude / pressure,
-            ct=float(thrust) / pressure,
-            cp=flapping.average(time, power, window) / (pressure * velocity) if power is not None else None,
-            st=lift.frequency_hz * body.length / velocity if lift.frequency_hz and window.periods else None,
+            reference=ReferenceScales(
+                speed=velocity,
+                speed_of="reference" if scales.speed else numbers.velocity_of or "",
+                length=scales.length,
+                area=scales.area,
+                drag=tuple(directions[0].tolist()),
+                lift=tuple(directions[1].tolist()),
+                side=tuple(directions[2].tolist()) if side else None,
+            ),
+            cd_mean=drag.mean,
+            cd_amplitude=drag.amplitude,
+            cl_mean=lift.mean,
+            cl_amplitude=lift.amplitude,
+            cs_mean=side[0].mean if side else None,
+            cs_amplitude=side[0].amplitude if side else None,
+            own_axes=_along_own_axes(name, fluid, series, window, force / pressure),
+            ct=-flapping.average(time, curves["cd"], window),
+            cp=flapping.average(time, curves["cp"], window) if power is not None else None,
+            st=lift.frequency_hz * scales.length / velocity if lift.frequency_hz and window.periods else None,
             st_tip=_tip(own, window, velocity) if own else None,
-            kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
+            kc=oscillation.largest_speed / (oscillation.frequency * scales.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
-            morison=oscillation.morison(name, facts, series, window, body.length)
-            if oscillation and area is None
+            morison=oscillation.morison(name, facts, series, window, scales.length)
+            if oscillation and scales.area is None
             else None,
         )
     return found
+
+
+def _along_own_axes(
+    name: str, fluid: Fluid, series: Series, window: Window, force: np.ndarray
+) -> tuple[float, ...] | None:
+    """Return the means over time of a force, `[axes, samples]`, along the axes of a rigid body that may turn."""
+    kind, _, number = name.partition("_")
+    if kind != "body":
+        return None
+    body, time = fluid.bodies[int(number) - 1], series["time"]
+    angles = series.get(f"{name}_angle")
+    if angles is None:
+        angles = np.zeros_like(time) if len(force) == 3 else np.full_like(time, body.angle)
+    if len(force) == 3:
+        axes = np.array([placed(body, (0.0, 0.0, 0.0, angle))[0] for angle in angles])  # From the own axes
+    else:
+        axes = np.moveaxis(np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]]), 2, 0)
+    own = np.einsum("tij,it->jt", axes, force)
+    return tuple(flapping.average(time, values, window) for values in own)
 
 
 def power_in(name: str, series: Series) -> np.ndarray | None:
@@ -116,10 +163,11 @@ def power_in(name: str, series: Series) -> np.ndarray | None:
 
 
 def against_path(name: str, series: Series) -> np.ndarray:
-    """Return the force on a body against its velocity, N/m; 0 where its pivot rests."""
-    velocity = np.array([np.gradient(series[f"{name}_{axis}"], series["time"]) for axis in "xy"])
-    speed = np.hypot(*velocity)
-    forces = np.array([series[f"{name}_drag"], series[f"{name}_lift"]])
+    """Return the force on a body against its velocity, N, per metre of depth in the plane; 0 where its pivot rests."""
+    places = [series[column] for axis in "xyz" if (column := f"{name}_{axis}") in series]
+    velocity = np.array([np.gradient(place, series["time"]) for place in places])
+    speed = np.linalg.norm(velocity, axis=0)
+    forces = np.array([series[f"{name}_{end}"] for end in flapping.FORCES[: len(places)]])
     against: np.ndarray = -(forces * velocity).sum(0) / np.where(speed > 0, speed, 1.0)
     return against
 
@@ -147,8 +195,13 @@ class _Oscillation:
     def morison(self, name: str, facts: Facts, series: Series, window: Window, length: float) -> Morison | None:
         """Split the force over `window`; None in a stream, while the motion grows, or where the body turns."""
         sine, part, fluid = self.law.sine, window.of(series["time"]), facts.scene.fluid
-        streaming = flapping.stream(facts, window) is not None or any(fluid.initial_velocity if fluid else ())
-        if fluid is None or streaming or not self.still or window.periods == 0 or sine.ramp > window.begin:
+        if (
+            fluid is None
+            or facts.stream is not None
+            or not self.still
+            or window.periods == 0
+            or sine.ramp > window.begin
+        ):
             return None
         time, omega, speed = series["time"], 2 * np.pi * sine.frequency, self.largest_speed
         cos, sin = np.cos(omega * time + sine.phase), np.sin(omega * time + sine.phase)

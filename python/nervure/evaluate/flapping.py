@@ -1,8 +1,8 @@
-"""Cycle averages of a driven root and its rod: thrust, lift, power, efficiency, tip path and phase lag.
+"""Cycle averages of a driven root and its rod or wing: thrust, lift, side, power, efficiency, tip path and phase lag.
 
-Thrust is the force of the fluid on the beam against the stream, or in still fluid from the tip towards the root of the
-rod at rest. Lift is the force to its right, so that for a stream or a rod along x thrust is against x and lift along y.
-Power in comes from the drive at the root. Averages are over the window, by the trapezoidal rule.
+Thrust is the force of the fluid against the drag direction of `scene.facts`: against the stream, or in still fluid from
+the tip towards the root at rest. Lift and side are along the other two directions. Power in comes from the drive at the
+root. Averages are over the window, by the trapezoidal rule.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ import numpy as np
 
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series, Window
-from nervure.scene.facts import Facts
-from nervure.scene.types import Beam, RootOnCylinder
+from nervure.scene.facts import Facts, Scales
 
 AXES = "xyz"
+FORCES = ("drag", "lift", "side")  # Ends of the columns of forces along x, y and z
 
 BALANCE = {"root": "root_power", "load": "load_power", "damping": "damping_power"}
 ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
@@ -23,16 +23,17 @@ ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
 
 @dataclass(frozen=True, kw_only=True)
 class Flapping:
-    """Cycle averages of a driven root and its rod; without a fluid, its values are None."""
+    """Cycle averages of a driven root and its rod or wing; without a fluid, its values are None."""
 
     axis: str  # Coordinate nearest to `direction`
     direction: tuple[float, ...]  # Along which the tip of a rigid rod goes farthest
     window_s: tuple[float, float]  # The window of the run, s
     periods: int
     power_in: float  # W per metre of depth, or W in space
-    thrust: float | None = None  # N/m
-    lift: float | None = None  # N/m
-    stream: tuple[float, float] | None = None  # Velocity, m/s; None in still fluid
+    thrust: float | None = None  # N/m, or N in space
+    lift: float | None = None  # N/m, or N in space
+    side: float | None = None  # N; in space only
+    stream: tuple[float, ...] | None = None  # Velocity, m/s; None in still fluid
     efficiency: float | None = None  # Thrust times stream by power; None in still fluid
     thrust_by_power: float | None = None  # s/m; in still fluid only
     tip_amplitude: float  # m
@@ -47,48 +48,30 @@ def path(series: Series, name: str) -> np.ndarray | None:
     return np.array(columns) if columns else None
 
 
-def towards_tip(beam: Beam) -> np.ndarray:
-    """Return the unit vector from root to tip of a beam at rest, `[2]`."""
-    if isinstance(beam.root, RootOnCylinder):
-        angle = beam.root.on_cylinder.angle
-        return np.array([np.cos(angle), np.sin(angle)])
-    found = np.array(beam.root.at.direction[:2])
-    length = np.linalg.norm(found)
-    return found / length if length else np.array([1.0, 0.0])
+def forces(series: Series, name: str) -> np.ndarray | None:
+    """Return the force of the fluid on a part, `[axes, samples]` (N, per metre of depth in the plane); None without
+    columns."""
+    columns = [series[column] for end in FORCES if (column := f"{name}_{end}") in series]
+    return np.array(columns) if columns else None
 
 
-def stream(facts: Facts, window: Window) -> np.ndarray | None:
-    """Return the velocity of the stream, m/s, `[2]`, if it is steady over `window`; else None."""
-    fluid = facts.scene.fluid
-    if fluid and fluid.mean_flow:
-        velocity = [facts.final_value(f"fluid.mean_flow.{axis}", window.begin) for axis in "xy"]
-    elif fluid and fluid.inflow:
-        velocity = [facts.final_value("fluid.inflow.mean_velocity", window.begin), 0.0]
-    else:
-        return None
-    return np.array(velocity) if None not in velocity and any(velocity) else None
-
-
-def evaluate(facts: Facts, beam: Beam, series: Series, window: Window) -> Flapping | None:
-    """Return the averages over `window` for the rod of a beam, whose columns are `series`; None without a drive or a
-    whole period."""
+def evaluate(facts: Facts, scales: Scales | None, series: Series, window: Window) -> Flapping | None:
+    """Return the averages over `window` for a rod or a wing with these scales, whose columns are `series`; None without
+    a drive or a whole period."""
     time, rigid_path, tip_path = series["time"], path(series, "rigid_tip"), path(series, "tip")
     if rigid_path is None or tip_path is None or window.periods == 0 or not np.ptp(rigid_path):
         return None
     direction = statistics.principal_direction(time, rigid_path)
-
-    def mean(name: str) -> float:
-        return average(time, series[name], window)
-
-    power = mean("root_power")
+    power = average(time, series["root_power"], window)
     fluid: dict[str, Any] = {}
-    if "beam_drag" in series:
-        force, velocity = np.array([mean("beam_drag"), mean("beam_lift")]), stream(facts, window)
-        ahead = -(towards_tip(beam) if velocity is None else velocity / np.linalg.norm(velocity))
-        fluid = {"thrust": float(force @ ahead), "lift": float(force @ [ahead[1], -ahead[0]])}
-        if velocity is None:
-            fluid["thrust_by_power"] = fluid["thrust"] / power if power else None
+    if scales and (on_beam := forces(series, "beam")) is not None:
+        force = np.array([average(time, values, window) for values in on_beam])
+        drag, lift, side = (float(axis @ force) for axis in scales.directions(force.size))
+        fluid = {"thrust": -drag, "lift": lift, "side": side if force.size > 2 else None}
+        if facts.stream is None:
+            fluid["thrust_by_power"] = -drag / power if power else None
         else:
+            velocity = facts.stream[: force.size]
             fluid["stream"] = tuple(velocity.tolist())
             fluid["efficiency"] = float(-force @ velocity) / power if power else None
     along = direction @ tip_path

@@ -1,4 +1,4 @@
-"""Columns of one of several rods under the names of a single rod."""
+"""Columns of one of several rods, or of a wing, under the names of a single rod."""
 
 from nervure.evaluate.statistics import Series
 from nervure.scene import Own
@@ -15,3 +15,8 @@ def rod_columns(series: Series, own: Own) -> Series:
             here + name.removeprefix(begins): values for name, values in series.items() if name.startswith(begins)
         }
     return known
+
+
+def wing_columns(series: Series) -> Series:
+    """Return all columns, and those of the fluid on a wing as `beam_…` too."""
+    return {**series, **{f"beam_{name[5:]}": values for name, values in series.items() if name.startswith("wing_")}}

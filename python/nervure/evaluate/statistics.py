@@ -5,7 +5,7 @@ after the start-up. A least-squares fit of harmonics is evaluated too: noise wid
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
@@ -47,6 +47,9 @@ FORCE_FILTER = 5e-3  # Largest width of the box filter over forces, s
 FORCE_FILTER_PERIODS = 1 / 50
 """Largest width of the box filter, in periods: at twice the frequency, an oscillation loses at most 0.3 %."""
 
+OF_DRIVE = 0.5
+"""Part of the variance of a force on a driven body from which on its harmonics of the drive count."""
+
 HARMONICS = 6  # Number of fitted harmonics
 FIT_ITERATIONS = 6  # Iterations of the fit for the fundamental frequency; it converges quadratically
 
@@ -58,12 +61,13 @@ class Window:
     begin: float
     end: float
     periods: int  # Whole periods of the main signal; 0 if it does not oscillate
+    driven: bool = False  # Whether a prescribed motion of a body sets the periods
 
     def last(self, periods: int) -> "Window":
         """Return the last `periods` whole periods, or the whole window if it has no more."""
         if self.periods <= periods:
             return self
-        return Window(self.end - periods * (self.end - self.begin) / self.periods, self.end, periods)
+        return replace(self, begin=self.end - periods * (self.end - self.begin) / self.periods, periods=periods)
 
     def of(self, time: np.ndarray) -> slice:
         """Return the samples in the window."""
@@ -109,9 +113,9 @@ def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> 
     """Return the window of the main signal: its last five whole periods, and those before while they are as large.
 
     The periods of a window agree in length (`EQUAL_LENGTH`) and size (`EQUAL_SIZE`), so that the start-up stays out.
-    Where fewer than three do, the last ones are taken as they are, and `character` says that they differ. A signal
-    whose amplitude at the end is at most `smallest`, that is steady there, that never completes a period, or whose last
-    one is long over, is evaluated over the last third of the record.
+    Where fewer than three do, the last ones of the last two thirds of the record are taken as they are, and `character`
+    says that they differ. A signal whose amplitude at the end is at most `smallest`, that is steady there, that never
+    completes a period there, or whose last one is long over, is evaluated over the last third of the record.
     """
     tail = last_third(time)
     mean, amplitude = extent(values[tail.of(time)])
@@ -122,6 +126,8 @@ def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> 
         return tail
 
     first = _first_settled(time, values, crossings)
+    if first == crossings.size - 1:
+        return tail
     return Window(float(crossings[first]), float(crossings[-1]), crossings.size - 1 - first)
 
 
@@ -134,12 +140,15 @@ def driven_window(time: np.ndarray, values: np.ndarray, drive: np.ndarray) -> Wi
     period = (own.end - own.begin) / own.periods
     count = int((time[-1] - own.begin) / period + 1e-6)
     edges = time[-1] - period * np.arange(count, -1, -1)
-    first = _first_settled(time, values, edges)
-    return Window(float(edges[first]), float(edges[-1]), count - first)
+    first = min(_first_settled(time, values, edges), count - 1)
+    if first == 0 and count > 2 and edges[0] - time[0] < period / 2:
+        first = 1  # The start-up, even where the signal is as large in it
+    return Window(float(edges[first]), float(edges[-1]), count - first, driven=True)
 
 
 def _first_settled(time: np.ndarray, values: np.ndarray, edges: np.ndarray) -> int:
-    """Return the number of the first period between `edges` (s) that belongs to the window."""
+    """Return the number of the first period between `edges` (s) that belongs to the window; that of the last edge where
+    none does."""
     places = np.searchsorted(time, edges)
     amplitudes = np.array([extent(values[a : b + 1])[1] for a, b in pairwise(places)])
     equal = [
@@ -149,12 +158,14 @@ def _first_settled(time: np.ndarray, values: np.ndarray, edges: np.ndarray) -> i
     differ = np.flatnonzero(~(equal[0] & equal[1]))
     earliest = int(differ[-1]) + 1 if differ.size else 0
     first = max(0, amplitudes.size - MIN_PERIODS)
-    if amplitudes.size - earliest >= min(3, amplitudes.size):
+    if amplitudes.size - earliest >= min(3, max(amplitudes.size, 2)):
         first = max(first, earliest)
         settled = np.mean(amplitudes[first:])
         while first > earliest and abs(amplitudes[first - 1] - settled) < SETTLED * settled:
             first -= 1
-    return first
+        return first
+    start_up = int(np.searchsorted(edges, time[0] + (time[-1] - time[0]) / 3))
+    return min(max(first, start_up), amplitudes.size)
 
 
 def principal_direction(time: np.ndarray, path: np.ndarray) -> np.ndarray:
@@ -239,28 +250,45 @@ def evaluate(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics
     return Statistics(mean, amplitude, float((crossings.size - 1) / (crossings[-1] - crossings[0])))
 
 
+def of_force(time: np.ndarray, values: np.ndarray, window: Window, width: float) -> Statistics:
+    """Return the statistics of a force over `window`, under a box filter of `width` (s). The force on a driven body is
+    that of the harmonics of the drive, as long as they make most of it."""
+    if window.driven:
+        found, share = _harmonics(time, values, window, 1)
+        if share > OF_DRIVE:
+            return found
+    return evaluate(time, box_filter(time, values, width), window)
+
+
 def fit(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
     """Return the statistics of the harmonics that fit `values` best over `window`, which must hold a period.
 
     The fundamental frequency is an unknown too (the four-parameter sine fit of IEEE Std 1057, with harmonics). The
     frequency returned is the strongest harmonic's.
     """
+    return _harmonics(time, values, window, FIT_ITERATIONS)[0]
+
+
+def _harmonics(time: np.ndarray, values: np.ndarray, window: Window, iterations: int) -> tuple[Statistics, float]:
+    """Return the statistics of the fitted harmonics, and their part of the variance; a single iteration keeps the
+    frequency of the window."""
     part = window.of(time)
     t, y = time[part] - (window.begin + window.end) / 2, values[part]
     order = np.arange(1, HARMONICS + 1)
     omega = 2 * np.pi * window.periods / (window.end - window.begin)
     derivative = np.zeros_like(t)
-    for _ in range(FIT_ITERATIONS):
+    for _ in range(iterations):
         phases = np.outer(t, order * omega)
         matrix = np.column_stack([np.ones_like(t), np.cos(phases), np.sin(phases), derivative])
         solution = np.linalg.lstsq(matrix, y, rcond=None)[0]
         constant, cosines, sines = solution[0], solution[1 : HARMONICS + 1], solution[HARMONICS + 1 : -1]
-        omega += solution[-1]
+        omega += solution[-1] if iterations > 1 else 0.0
         derivative = t * ((np.cos(phases) * sines - np.sin(phases) * cosines) @ order)
     one_period = np.outer(np.linspace(0, 2 * np.pi, 2000, endpoint=False), order)
     curve = constant + np.cos(one_period) @ cosines + np.sin(one_period) @ sines
     strongest = order[np.argmax(cosines**2 + sines**2)]
-    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi)))
+    rest, whole = (float(np.var(signal)) for signal in (y - matrix @ solution, y))
+    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi))), 1 - rest / whole if whole else 0.0
 
 
 def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:

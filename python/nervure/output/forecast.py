@@ -57,8 +57,10 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
         parts = [f"mass ratio {numbers.mass_ratio:.3g}"]
         if numbers.stiffness is not None:
             parts.append(f"stiffness number {numbers.stiffness:.3g}")
-        parts += [f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces"]
-        yield "beam", ", ".join([*parts, f"added mass {numbers.added_mass_ratio:.3g} of its own"])
+        if numbers.density_ratio is not None:
+            parts.append(f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces")
+        parts.append(f"added mass {numbers.added_mass_ratio:.3g} of its own")
+        yield "wing" if scene.wing else "beam", ", ".join(parts)
     for name, mount in numbers.mounts.items():
         parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():
@@ -116,7 +118,7 @@ def _warnings(facts: Facts) -> Iterator[str]:
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
     elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
-    if numbers.velocity and numbers.length:
+    if numbers.velocity and numbers.length and not scene.wing:
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):

@@ -13,13 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from nervure.evaluate import coefficients, flapping, statistics
-from nervure.evaluate.rods import rod_columns
+from nervure.errors import InputError
+from nervure.evaluate import benchmark, coefficients, flapping, statistics
+from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title, unit_in
 from nervure.output.fields import station_positions, wing_nodes
 from nervure.scene import Scene
+from nervure.scene.facts import Scales
 from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
@@ -54,7 +56,9 @@ def write(folder: Path, runs: Sequence[Results], form: str = "png") -> list[Path
     for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.{form}"))
+            written.append(
+                save(over_time(labelled, columns, benchmark.reference(first.scene)), folder / f"{file}.{form}")
+            )
     return written if others else [*written, *cylinder(folder, first, form), *driven_roots(folder, first, form)]
 
 
@@ -64,19 +68,25 @@ def unit(name: str, scene: Scene) -> str:
 
 
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
-    """Draw `columns` over time below each other, and over the window of the first run the band that `reference` has. A
-    force in a fluid is drawn as a running mean over the computed one in a light tone."""
+    """Draw `columns` over time below each other, each unit on axes of its own, and over the window of the first run the
+    band that `reference` has. A force in a fluid is drawn as a running mean over the computed one in a light tone.
+    Raise `InputError` for runs whose scenes have other units of length and time."""
     first = next(iter(runs.values()))
-    figure = Figure(figsize=(WIDTH, 1.7 + 2 * len(columns)), layout="constrained")
+    for label, run in runs.items():
+        if run.scene.display != first.scene.display:
+            raise InputError(f"{label} has other units of length and time in `display` than {next(iter(runs))}")
+    panels = list(dict.fromkeys((column, run.units[column]) for column in columns for run in runs.values()
+                                if column in run.series))  # fmt: skip
+    figure = Figure(figsize=(WIDTH, 1.7 + 2 * len(panels)), layout="constrained")
     figure.suptitle(title(first.scene, WIDTH), fontsize="medium")
     window = first.summary.window
     closer = window.last(CLOSER) if window and window.periods > CLOSER else None
     ratios = (2, 1) if closer else (1,)
     how: dict[str, Any] = {"squeeze": False, "sharex": "col", "sharey": "row", "width_ratios": ratios}
-    axes = figure.subplots(len(columns), len(ratios), **how)
+    axes = figure.subplots(len(panels), len(ratios), **how)
     keys: dict[str, Any] = {}
-    for number, column in enumerate(columns):
-        having = {label: run for label, run in runs.items() if column in run.series}
+    for number, (column, of) in enumerate(panels):
+        having = {label: run for label, run in runs.items() if column in run.series and run.units[column] == of}
         known = next(iter(having.values()))
         named, scale = unit_in(known.scene, known.units[column], float(np.abs(known.series[column]).max()))
         ranges, extremes = [], []
@@ -95,7 +105,7 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
             elif force:
                 keys |= {"as computed": raw[0], _name_filter(run): line}
         band = reference.quantities.get(column) if reference else None
-        if reference and band and band.mean is not None and band.amplitude is not None:
+        if reference and band and band.unit == of and band.mean is not None and band.amplitude is not None:
             low, high = (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale
             over = (window.begin, window.end) if window else (first.series["time"][0], first.series["time"][-1])
             for axis in axes[number]:
@@ -172,7 +182,8 @@ def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
         return []
     time, raw = run.series["time"], coefficients.curves(scale, run.series)
     curves = coefficients.curves(scale, run.series, filter_width(run.summary.window))
-    published = coefficients.published(run.scene.reference)
+    reference = benchmark.reference(run.scene)
+    published = coefficients.published(reference)
     window = run.summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
     lines = ("max", "min") if window.periods else ("mean",)
@@ -202,7 +213,7 @@ def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
     keys: list[Artist] = [Patch(color="0.93", label="window")]
     keys.append(Line2D([], [], color="0.4", linewidth=RAW, alpha=LIGHT, label="as computed"))
     if published:
-        source = run.scene.reference.source if run.scene.reference else ""
+        source = reference.source if reference else ""
         keys.append(Line2D([], [], color="0.4", linestyle="--", linewidth=0.8, label=source))
     figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize="small")
     return [save(figure, folder / f"coefficients.{form}")]
@@ -210,21 +221,22 @@ def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
 
 def driven_roots(folder: Path, run: Results, form: str) -> list[Path]:
     """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
-    of = {own.unit: (own, f"flapping-{own.unit}.{form}") for own in run.facts.beams}
+    of = {own.unit: (own.force, rod_columns(run.series, own)) for own in run.facts.beams}
+    of |= {"wing": ("wing", wing_columns(run.series))} if run.scene.wing else {}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
-    alone = {"rod": run.summary.flapping}
+    alone = dict.fromkeys(of, run.summary.flapping)
     pictures = []
     for name, found in (several or alone).items():
         if found is not None:
-            own, file = of[name]
-            picture = driven_root(run, found, rod_columns(run.series, own))
-            pictures.append(save(picture, folder / (file if several else f"flapping.{form}")))
+            force, series = of[name]
+            file = f"flapping-{name}.{form}" if several else f"flapping.{form}"
+            pictures.append(save(driven_root(run, found, series, run.facts.scales.get(force)), folder / file))
     return pictures
 
 
-def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figure:
+def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: Scales | None) -> Figure:
     """Draw the path of the tip of a driven rod beside the path of a rigid rod, and forces and power over the periods of
-    the window; `series` has the columns of this rod."""
+    the window; `series` has the columns of this rod, and `scales` the directions of its forces."""
     time, main, window = series["time"], found.axis, statistics.Window(*found.window_s, found.periods)
     part = window.of(time)
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
@@ -244,8 +256,11 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
     axes["path"].locator_params(nbins=5)
     axes["tip"].set(xlabel="t/T", ylabel=names[1])
 
-    if "beam_drag" in series:
-        forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
+    if scales and (on_beam := flapping.forces(series, "beam")) is not None:
+        series = {**series, **dict(zip(flapping.FORCES, scales.directions(len(on_beam)) @ on_beam, strict=True))}
+        forces, told = [("drag", -1, "thrust"), ("lift", 1, "lift")], "force of the fluid"
+        if len(on_beam) > 2:
+            forces.append(("side", 1, "side"))
     else:
         forces, told = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
     powers = [

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SHOWN = (
     ("thrust", "thrust", "N/m"),
+    ("lift", "lift, cycle mean", "N/m"),
     ("efficiency", "efficiency", ""),
     ("thrust_by_power", "thrust by power", "s/m"),
     ("phase_lag_deg", "phase lag of the tip [°]", ""),
@@ -29,10 +30,19 @@ SHOWN = (
     ("tip_uy_amplitude", "tip, along y: amplitude", "m"),
     ("tip_uy_mean", "tip, along y: mean", "m"),
     ("tip_uy_frequency_hz", "tip, along y: frequency", "1/s"),
-    ("drag_mean", "drag, mean", "N/m"),
-    ("lift_amplitude", "lift, amplitude", "N/m"),
+    *(
+        (f"{force}_{what}", f"{force}, {what}", "N/m")
+        for force in ("drag", "lift", "side")
+        for what in ("mean", "amplitude")
+    ),
 )
-"""Columns of a sweep in table and picture, with their names and units in the picture."""
+"""Columns of a sweep in table and picture, with their names and units in the picture, in space in N."""
+
+RIVALS = (("thrust", "lift"), *((f"{force}_mean", f"{force}_amplitude") for force in ("drag", "lift", "side")))
+"""Pairs of columns of which one may be left out: of mean and amplitude the smaller one, a lift below `MINOR` of the
+thrust."""
+
+MINOR = 0.1
 
 GRID = "fluid.box.cells"
 PANELS = 4  # Largest number of quantities in table and picture
@@ -59,8 +69,23 @@ def varied(rows: Sequence[Row]) -> list[str]:
 
 
 def _quantities(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
-    """Return the first columns of `SHOWN` that a finished run has."""
-    return [shown for shown in SHOWN if any(isinstance(row.get(shown[0]), float) for row in rows)][:PANELS]
+    """Return the first columns of `SHOWN` that a finished run has, of rivals those that matter."""
+    finished = [row for row in rows if row["status"] == FINISHED]
+
+    def size(name: str) -> float:
+        values = sorted(abs(row[name]) for row in finished if isinstance(row.get(name), float))
+        return values[len(values) // 2] if values else -1.0
+
+    minor = set()
+    for one, other in RIVALS:
+        first, second = size(one), size(other)
+        if one.endswith("_mean"):
+            minor.add(other if first >= second else one)
+        elif second < MINOR * first:
+            minor.add(other)
+    space = any("side_mean" in row for row in rows)
+    known = [shown for shown in SHOWN if shown[0] not in minor and size(shown[0]) >= 0.0][:PANELS]
+    return [(name, words, unit.removesuffix("/m") if space else unit) for name, words, unit in known]
 
 
 def print_table(console: Console, rows: Sequence[Row]) -> None:

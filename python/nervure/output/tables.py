@@ -1,22 +1,27 @@
-"""Table of a run in the terminal: its quantities beside published values."""
+"""Table of a run in the terminal: its quantities beside published values, and the coefficients of its bodies."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
+from nervure.coupling.guards import WARN_RATIO
+from nervure.evaluate.bodies import ReferenceScales
 from nervure.evaluate.statistics import NOISY, Character
 from nervure.output import axis_label, displayed_unit
 from nervure.scene.types import Display
 from nervure.simulation.summary import Published, Quantity, Summary
 
+MOST_BODIES = 8  # Bodies whose coefficients are printed
 NEAR_ZERO = 0.1  # Mean by amplitude below which the difference of a mean is given by the amplitude
 
 FLAPPING = {
     "power_in": ("power in, cycle mean", "W/m"),
     "thrust": ("thrust, cycle mean", "N/m"),
-    "lift": ("lift on the rod, cycle mean", "N/m"),
+    "lift": ("lift, cycle mean", "N/m"),
+    "side": ("side force, cycle mean", "N/m"),
     "efficiency": ("efficiency", ""),
     "thrust_by_power": ("thrust by power", "s/m"),
     "tip_amplitude": ("tip amplitude", "m"),
@@ -77,7 +82,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
             row(name.replace("_", " "), value, found.reference.get(name), 6)
     rods = {f"{name} ": (own.flapping, own.interface) for name, own in (summary.rods or {}).items()}
     rods = rods or {"": (summary.flapping, summary.interface)}
-    space = any(name.endswith("tip_uz") for name in summary.quantities)
+    space = any(name.endswith("tip_uz") or name == "side" for name in summary.quantities)
     for name, (flapping, _) in rods.items():
         for field in fields(flapping) if flapping else ():
             value = getattr(flapping, field.name)
@@ -95,6 +100,8 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     if summary.not_compared is not None:
         console.print(f"not compared with published values: {summary.not_compared}", markup=False, soft_wrap=True)
 
+    for line in _coefficients(summary, display):
+        console.print(line, markup=False, soft_wrap=True)
     if summary.window_s:
         begin, end = summary.window_s
         drift = summary.amplitude_drift
@@ -104,9 +111,51 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         if work and work.imbalance is not None:
             console.print(
                 f"interface: work on the rod {name}{work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
-                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J",
+                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J{_told(work.imbalance)}",
                 soft_wrap=True,
             )
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
     reached = f"{summary.steps} steps to t = {summary.simulated_s:g} s"
     console.print(f"{reached} in {summary.wall_s:.1f} s of wall time ({phases})", soft_wrap=True)
+
+
+def _told(imbalance: float) -> str:
+    return f"; more than {WARN_RATIO:.0%} is too much" if abs(imbalance) > WARN_RATIO else ""
+
+
+def _coefficients(summary: Summary, display: Display | None) -> Iterator[str]:
+    """Yield a line for each body: its coefficients, and what they refer to."""
+    for name, body in list(summary.bodies.items())[:MOST_BODIES]:
+        values = [_value("cD", body.cd_mean, body.cd_amplitude), _value("cL", body.cl_mean, body.cl_amplitude)]
+        if body.cs_mean is not None:
+            values.append(_value("cS", body.cs_mean, body.cs_amplitude))
+        several = {"cT": body.ct, "cP": body.cp, "St": body.st, "KC": body.kc}
+        values += [f"{label} {value:.4g}" for label, value in several.items() if value is not None]
+        yield "; ".join(
+            [f"{name}: {', '.join(values)}", *([_reference(body.reference, display)] if body.reference else [])]
+        )
+    if (left := len(summary.bodies) - MOST_BODIES) > 0:
+        yield f"coefficients of {left} more bodies are in summary.json"
+
+
+def _value(name: str, mean: float, amplitude: float | None) -> str:
+    return f"{name} {mean:.4g}" + (f" ± {amplitude:.2g}" if amplitude else "")
+
+
+def _reference(own: ReferenceScales, display: Display | None) -> str:
+    """Return the scales and directions of coefficients in words."""
+    length, scale = ("m", 1.0) if display is None else displayed_unit("m", display)
+    speed = "m/s" if display is None else displayed_unit("m/s", display)[0]
+    area = "" if own.area is None else f", A {own.area:.4g} {length}²"
+    lift = _along(own.lift)
+    return f"U {own.speed:.4g} {speed} ({own.speed_of}), L {own.length * scale:.4g} {length}{area}, drag along " + (
+        f"{_along(own.drag)}, lift along {lift}"
+    )
+
+
+def _along(direction: Sequence[float]) -> str:
+    """Return an axis by its name, another direction by its components."""
+    for axis, component in zip("xyz", direction, strict=False):
+        if abs(component) > 1 - 1e-9:
+            return axis if component > 0 else f"−{axis}"
+    return f"[{', '.join(f'{component:.3g}' for component in direction)}]"

@@ -58,6 +58,22 @@ class Dimensionless:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Scales:
+    """Scales of the coefficients of a body, and unit vectors of its forces."""
+
+    length: float  # L, m
+    area: float | None  # A, m²; None in the plane, where forces are per metre of depth
+    speed: float | None  # U of this body alone, m/s; None where it is that of the dimensionless numbers
+    drag: tuple[float, float, float]
+    lift: tuple[float, float, float]
+    side: tuple[float, float, float]
+
+    def directions(self, axes: int) -> np.ndarray:
+        """Return the unit vectors of drag, lift and side, `[3, axes]`."""
+        return np.array([self.drag, self.lift, self.side])[:, :axes]
+
+
+@dataclass(frozen=True, kw_only=True)
 class WingMesh:
     """The mesh of a wing at rest; nodes are counted from 0."""
 
@@ -120,12 +136,20 @@ class Facts:
         thin = ShapePlate | ShapePolyline | ShapeDisk | ShapeTriangulation
         rigid = {f"body_{i}" for i, body in bodies if isinstance(body.shape, thin)}
         flexible = zip(self.beams, self._found["beams"], strict=True)
-        return rigid | {own.force for own, found in flexible if found["line"]}
+        wing = {"wing"} if self.scene.wing else set()
+        return rigid | wing | {own.force for own, found in flexible if found["line"]}
 
-    @property
-    def areas(self) -> dict[str, float]:
-        """Areas that the coefficients of bodies in space refer to, by the names of their forces, m²."""
-        return dict(self._found.get("areas", {}))
+    @cached_property
+    def scales(self) -> dict[str, Scales]:
+        """Scales of the coefficients of bodies, by the names of their forces."""
+        axes = ("drag", "lift", "side")
+        found: dict[str, dict[str, Any]] = self._found["scales"]
+        return {name: Scales(**{**own, **{axis: tuple(own[axis]) for axis in axes}}) for name, own in found.items()}
+
+    @cached_property
+    def stream(self) -> np.ndarray | None:
+        """Velocity of the stream, m/s, `[3]`; None in still fluid."""
+        return None if self._found["stream"] is None else np.array(self._found["stream"])
 
     @cached_property
     def wing(self) -> WingMesh | None:

@@ -5,7 +5,7 @@ A field with the default None is left out of the file where it is None.
 
 import platform
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
@@ -14,14 +14,16 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from nervure.coupling import Choice, Scheme
+from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate import benchmark, bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
-from nervure.evaluate.rods import rod_columns
+from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine
 from nervure.scene import Scene
 from nervure.scene.facts import Dimensionless, Facts
+from nervure.scene.types import Reference
 from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import Unit
 
@@ -33,7 +35,8 @@ STEADY = 0.05  # Largest amplitude by mean for a comparison with published value
 
 COMPARED_PERIODS = 4  # Fewest periods for a comparison with published values of a periodic state
 MOTION = re.compile(r"(body_\d+)_(x|y|z|angle|angle_[xyz])")  # Columns of the motion of a rigid body
-FORCES = ("drag", "lift")  # Evaluated outputs of the fluid, under a box filter
+FORCES = flapping.FORCES  # Evaluated outputs of the fluid, under a box filter
+SECTION = ("section_twist", "section_camber")  # Evaluated outputs of a wing
 
 
 @dataclass(frozen=True)
@@ -199,7 +202,13 @@ def quantities(facts: Facts) -> list[str]:
     moved = [f"{body}_{direction}" for body, direction, _ in supports]
     # Where no spring holds a body, it may fall.
     moved += [f"{body}_v{direction}" for body, direction, support in supports if not support.natural_frequency]
-    return [*(prefix + name for prefix in prefixes for name in TIP), *moved, *FORCES]
+    each = (f"{own.force}_{end}" for own in facts.beams if own.prefix for end in FORCES)
+    return [*(prefix + name for prefix in prefixes for name in TIP), *SECTION, *moved, *each, *FORCES]
+
+
+def is_force(name: str) -> bool:
+    """Return whether a column is a force of the fluid."""
+    return name.rpartition("_")[2] in FORCES
 
 
 @dataclass(frozen=True)
@@ -227,13 +236,14 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
     if (response := _motion(series, mounted=True)) is not None:
         smallest = rounding * float(np.abs(response).max())
         return MainSignal("displacement", response, _motion(series), smallest)
-    smallest = rounding * float(np.hypot(*forces)[statistics.last_third(time).of(time)].max())
+    smallest = rounding * float(np.linalg.norm(forces, axis=0)[statistics.last_third(time).of(time)].max())
     return MainSignal("force", _along(time, forces), _motion(series), smallest)
 
 
 def _forces(series: Series) -> np.ndarray | None:
-    """Drag and lift, `[2, samples]`; None without a fluid."""
-    return np.array([series[name] for name in FORCES]) if series.keys() >= {*FORCES} else None
+    """Drag, lift and in space side, `[axes, samples]`; None without a fluid."""
+    found = [series[name] for name in FORCES if name in series]
+    return np.array(found) if len(found) > 1 else None
 
 
 def _along(time: np.ndarray, path: np.ndarray) -> np.ndarray:
@@ -258,20 +268,27 @@ def _motion(series: Series, mounted: bool = False) -> np.ndarray | None:
 
 
 def _quantity(
-    name: str, unit: str | None, series: Series, scene: Scene, window: statistics.Window, width: float, smallest: float
+    name: str,
+    unit: str | None,
+    series: Series,
+    published: Reference | None,
+    window: statistics.Window,
+    width: float,
+    smallest: float,
 ) -> Quantity:
     """Evaluate the output `name` over `window`; forces are filtered over `width` (s), and an amplitude of at most
     `smallest` is rounding."""
     time, values, reference = series["time"], series[name], None
     found = statistics.character(time, values, window, smallest)
-    if name in FORCES:
-        values = statistics.box_filter(time, values, width)
-    extremes = statistics.evaluate(time, values, window)
+    if is_force(name):
+        extremes, values = statistics.of_force(time, values, window, width), statistics.box_filter(time, values, width)
+    else:
+        extremes = statistics.evaluate(time, values, window)
     if found.state == "rounding" or extremes.amplitude <= smallest:
         extremes = replace(extremes, frequency_hz=None)
     fit = statistics.fit(time, values, window) if extremes.frequency_hz is not None else None
-    if scene.reference and (known := scene.reference.quantities.get(name)):
-        reference = Published(known.mean, known.amplitude, known.frequency_hz, scene.reference.source)
+    if published and (known := published.quantities.get(name)):
+        reference = Published(known.mean, known.amplitude, known.frequency_hz, published.source)
     return Quantity(**asdict(extremes), unit=unit or "", **asdict(found), fit=fit, reference=reference)
 
 
@@ -279,11 +296,11 @@ def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -
     """Return the amplitude of each column up to which it is rounding: a part of the largest force or displacement."""
     tail = statistics.last_third(series["time"]).of(series["time"])
     largest = {
-        kind: max((float(np.abs(series[name][tail]).max()) for name in names if (name in FORCES) == kind), default=0.0)
+        kind: max((float(np.abs(series[name][tail]).max()) for name in names if is_force(name) == kind), default=0.0)
         for kind in (False, True)
     }
     return {
-        name: (rounding if name in FORCES else statistics.ROUNDING["double"]) * largest[name in FORCES]
+        name: (rounding if is_force(name) else statistics.ROUNDING["double"]) * largest[is_force(name)]
         for name in names
     }
 
@@ -311,6 +328,8 @@ def summarize(
     window, settled = None, None
     if main and main.drive is not None:
         window = statistics.driven_window(time, main.values, main.drive)
+        if scene.beam or scene.rods or scene.wing:  # What bends in the flow has motions of its own
+            window = replace(window, driven=False)
     elif main:
         window = statistics.find_window(time, main.values, main.smallest)
     if main and window:
@@ -320,9 +339,9 @@ def summarize(
     about = {name: unit.description for name, unit in units.items()}
     known: dict[str, Quantity] = {}
     if window:
-        names = [name for name in quantities(facts) if name in series]
+        published, names = benchmark.reference(scene), [name for name in quantities(facts) if name in series]
         for name, smallest in smallest_amplitudes(names, series, rounding).items():
-            known[name] = _quantity(name, recorder.units[name], series, scene, window, width, smallest)
+            known[name] = _quantity(name, recorder.units[name], series, published, window, width, smallest)
     rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
     return Summary(
         scene=scene.name,
@@ -332,7 +351,7 @@ def summarize(
         dimensionless=facts.numbers,
         bodies=bodies.evaluate(facts, series, window, width) if window else {},
         coefficients=_coefficients(facts, series, window, width) if window else None,
-        flapping=flapping.evaluate(facts, scene.beam, series, window) if window and scene.beam else None,
+        flapping=_flapping(facts, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=settled.drift if settled else None,
@@ -347,7 +366,7 @@ def summarize(
             amplitude_drift=f"change of mean or amplitude of the {main.name if main else 'signal'} along its principal "
             "direction over the window, relative to its amplitude",
         ),
-        interface=interface(series, "wing" if scene.wing else "beam"),
+        interface=interface(wing_columns(series) if scene.wing else series),
         simulated_s=status.simulated,
         wall_s=status.wall,
         cpu_s=status.cpu,
@@ -360,11 +379,11 @@ def summarize(
         versions={"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")},
         git=git_revision(),
         machine=machine(),
-        warnings=[*facts.warnings, *warnings] or None,
+        warnings=[*facts.warnings, *warnings, *_imbalances(series, facts)] or None,
         wing=of_wing(series, window) if scene.wing and window else None,
         rods={
             own.unit: OfRod(
-                flapping.evaluate(facts, own.beam, rods[own.unit], window) if window else None,
+                flapping.evaluate(facts, facts.scales.get(own.force), rods[own.unit], window) if window else None,
                 interface(rods[own.unit]),
             )
             for own in facts.beams
@@ -372,6 +391,24 @@ def summarize(
         }
         or None,
     )
+
+
+def _imbalances(series: Series, facts: Facts) -> Iterator[str]:
+    """Yield that the works on rods and by the fluid differ over the whole run."""
+    parts = {"the wing": wing_columns(series)} if facts.scene.wing else {}
+    parts |= {f"the rod {own.unit}" if own.prefix else "the rod": rod_columns(series, own) for own in facts.beams}
+    for name, columns in parts.items():
+        work = interface(columns)
+        if work and work.imbalance and abs(work.imbalance) > WARN_RATIO:
+            share = f"{work.imbalance:+.0%} of the exchanged work"
+            yield f"over the run the works on {name} and by the fluid differ by {share}"
+
+
+def _flapping(facts: Facts, series: Series, window: statistics.Window) -> flapping.Flapping | None:
+    """Evaluate the only driven root of a scene, of a rod or a wing."""
+    if facts.scene.wing:
+        return flapping.evaluate(facts, facts.scales.get("wing"), wing_columns(series), window)
+    return flapping.evaluate(facts, facts.scales.get("beam"), series, window) if facts.scene.beam else None
 
 
 def _changed(scene: Scene) -> str | None:
@@ -411,17 +448,17 @@ def _not_final(
 
 
 def _coefficients(facts: Facts, series: Series, window: statistics.Window, width: float) -> Coefficients | None:
-    scale, reference = coefficients.scale(facts), facts.scene.reference
+    scale, reference = coefficients.scale(facts), benchmark.reference(facts.scene)
     values = coefficients.evaluate(scale, series, window, width) if scale else {}
     source = reference.source if reference else None
     return Coefficients(values, coefficients.published(reference), source) if values else None
 
 
-def interface(series: Series, body: str = "beam") -> Interface | None:
+def interface(series: Series) -> Interface | None:
     """Return the work across the interface; None where a unit has no output of its power."""
-    if not {"load_work", f"{body}_work"} <= series.keys():
+    if not {"load_work", "beam_work"} <= series.keys():
         return None
-    on_rod, by_fluid = (series[name] for name in ("load_work", f"{body}_work"))
+    on_rod, by_fluid = (series[name] for name in ("load_work", "beam_work"))
     exchanged = float(np.abs(np.diff(by_fluid)).sum())
     return Interface(
         work_on_rod=float(on_rod[-1]),
