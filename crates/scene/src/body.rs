@@ -3,7 +3,7 @@
 use geometry::Section;
 use geometry::plane::Outline;
 use geometry::space::Solid;
-use geometry::vector::{dot, norm, turned};
+use geometry::vector::{cross, dot, norm, turned};
 use geometry::{Chain, Placed, Surface, lies_on, meets};
 use method::{Axis, Support};
 use schemars::JsonSchema;
@@ -269,8 +269,7 @@ impl Body {
             ("motion.axis", motion.and_then(|motion| motion.axis)),
         ];
         for (name, axis) in axes {
-            let has_length = axis.is_none_or(|axis| axis.iter().any(|component| *component != 0.0));
-            faults.require(has_length, &format!("{key}.{name}"), "[0, 0, 0]", || "an axis has a length".into());
+            axis.iter().for_each(|axis| _ = faults.direction(&format!("{key}.{name}"), axis));
         }
         if is_space {
             let fits = self.angle == 0.0;
@@ -278,6 +277,7 @@ impl Body {
             let driven = || "in three dimensions a body is still or moves by laws".into();
             faults.forbid(self.is_driven(), &format!("{key}.motion"), driven);
             faults.forbid(self.mount.is_some(), &format!("{key}.mount"), driven);
+            self.check_passage(key, faults);
             return;
         }
         let flat = || "the fluid has two dimensions".into();
@@ -288,6 +288,31 @@ impl Body {
         if let Some(motion) = motion {
             faults.forbid(motion.z != TimeLaw::default(), &format!("{key}.motion.z"), flat);
             faults.forbid(motion.axis.is_some(), &format!("{key}.motion.axis"), flat);
+        }
+    }
+}
+
+impl Body {
+    /// Check that a cylinder through the whole box lies along it.
+    fn check_passage(&self, key: &str, faults: &mut Faults) {
+        let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
+        let along = |turned: &[f64; 3]| turned.iter().any(|part| (part.abs() / norm(*turned) - 1.0).abs() < ALONG);
+        let own = self.turned(std::array::from_fn(|d| f64::from(u8::from(d == axis as usize))), 0.0);
+        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
+        let stays = moved.is_none_or(|about| norm(cross(own, about)) <= ALONG * norm(about));
+        let name = if along(&own) { "motion.angle" } else { "turn" };
+        faults.forbid(!(along(&own) && stays), &format!("{key}.{name}"), || {
+            "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()
+        });
+    }
+
+    /// Return a vector in the body's own axes along those of the box, after a turn by `angle` (rad).
+    fn turned(&self, v: [f64; 3], angle: f64) -> [f64; 3] {
+        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
+        let moved = self.laws().and_then(|laws| laws.axis).unwrap_or(Z);
+        match &self.turn {
+            Some(Turn { axis, angle: rest }) => about(about(v, *axis, *rest), moved, angle),
+            None => about(v, moved, self.angle + angle),
         }
     }
 }
@@ -303,6 +328,9 @@ const MOST_TRIANGLES: usize = 100_000;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
+/// Relative tolerance of a direction along an axis of the box.
+const ALONG: f64 = 1e-9;
+
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
     pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
@@ -313,13 +341,8 @@ impl Body {
 
     /// Return the shape after a displacement (m) and a turn by `angle` (rad) in a box with these ends, m.
     pub(crate) fn placed(&self, displacement: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
-        let (rest, moved) = (self.turn.as_ref(), self.laws().and_then(|laws| laws.axis).unwrap_or(Z));
-        let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-        let axes: [[f64; 3]; 3] = [0, 1, 2].map(|d| match rest {
-            Some(Turn { axis, angle: rest }) => about(about(own(d), *axis, *rest), moved, angle),
-            None => about(own(d), moved, self.angle + angle),
-        });
+        let axes: [[f64; 3]; 3] =
+            [0, 1, 2].map(|d| self.turned(std::array::from_fn(|e| f64::from(u8::from(d == e))), angle));
         let component = |list: &[f64], d: usize| list.get(d).copied().unwrap_or(0.0);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
@@ -520,7 +543,12 @@ fn check_surface(
     faults: &mut Faults,
 ) {
     if let Some(file) = file {
-        return faults.refuse_file(&format!("{key}.file"), file);
+        let key = format!("{key}.file");
+        let alone = nodes.is_empty() && triangles.is_empty();
+        if faults.forbid(!alone, &key, || "the surface has `nodes` and `triangles`; remove one of the two".into()) {
+            faults.refuse_file(&key, file);
+        }
+        return;
     }
     faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
     let (name, count) = (format!("{key}.triangles"), triangles.len());
@@ -532,17 +560,17 @@ fn check_surface(
             format!("the surface has {} nodes, counted from 0", nodes.len())
         });
     } else if let Some(i) =
-        triangles.iter().position(|corners| mesh::triangle_area(&corners.map(|node| nodes[node])) <= 0.0)
+        triangles.iter().position(|corners| !mesh::triangle_area(&corners.map(|node| nodes[node])).is_normal())
     {
         faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            "these nodes lie on a line: the triangle has no area".into()
+            "these nodes lie on a line, or too far apart: the triangle has no area".into()
         });
     }
 }
 
 /// Check that the sides of a polygon, or of a line that is not `closed`, have a length and neither cross nor touch one
 /// another; the first fault is added.
-fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
+pub(crate) fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
     let n = corners.len();
     let count = if closed { n } else { n.saturating_sub(1) };
     let side = |i: usize| [corners[i], corners[(i + 1) % n]];

@@ -26,6 +26,7 @@ __all__ = [
 ]  # fmt: skip
 
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
+NODE_BYTES = 300  # Of a node with two triangles in the text of a scene
 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
@@ -51,17 +52,22 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
-    if _embed(scene, path.parent) or assignments or end_time is not None:
+    files = _embed(scene, path.parent)
+    if files or assignments or end_time is not None:
         faults = check(text(scene), source) if is_built("rod") else []
     if faults:
-        raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
+        raise SceneError("\n".join(_line(fault, path, end_time is not None, files) for fault in faults), faults)
     return validate(scene)
 
 
-def _line(fault: Fault, path: Path, with_end_time: bool) -> str:
-    """Return the sentence of a fault with its place: in the file at `path`, or the option that changed the value."""
+def _line(fault: Fault, path: Path, with_end_time: bool, files: Iterable[str] = ()) -> str:
+    """Return the sentence of a fault with its place: in the file at `path`, one of the `files` beside it, or the option
+    that changed the value."""
     if fault.line:
         return f"{path}, line {fault.line}, column {fault.column}: {fault.text}"
+    for key in files:
+        if fault.key.startswith(key.removesuffix(".file")):
+            return f"{fault.text} (from `{key}`)"
     option = "--end-time" if with_end_time and fault.key == "time.end" else "--set"
     return f"{fault.text} (from {option})"
 
@@ -107,9 +113,15 @@ def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     return scene, faults
 
 
-def _embed(scene: Document, folder: Path) -> bool:
-    """Put what files beside the scene hold in the place of their names; return whether there was one."""
-    return any([surfaces.embed(scene, folder), meshes.embed(scene, folder)])
+def _embed(scene: Document, folder: Path) -> list[str]:
+    """Put what files beside the scene hold in the place of their names; return the keys of the files."""
+    found = surfaces.embed(scene, folder) + meshes.embed(scene, folder)
+    if found and (size := len(text(scene))) > MOST_BYTES:
+        raise SceneError(
+            f"the scene has {size / (1 << 20):.1f} MB with the nodes and triangles of `{'`, `'.join(found)}`, but at "
+            f"most {MOST_BYTES >> 20} MB are allowed, some {MOST_BYTES // NODE_BYTES:,} nodes: a coarser mesh helps"
+        )
+    return found
 
 
 def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:
