@@ -104,6 +104,7 @@ def test_fsi3_warns_of_nothing_as_its_table_shows_its_errors():
 
 @pytest.mark.parametrize(("name", "shape"), [("disk", {"radius": 0.5}), ("plate", {"length": 1.0, "width": 1.0})])
 def test_a_body_without_thickness_has_no_few_cells_in_it(name, shape):
+    """As the disk of the report `st-disk-broad`."""
     scene = read("plate-stream-96x72x72")
     scene["fluid"]["bodies"][0]["shape"] = {name: shape}
     warned = [text for text in forecast.warnings(Facts(validate(scene))) if "few" in text]

@@ -1,4 +1,7 @@
-"""Wings and surfaces that cannot be meant, refused or warned of by what needs no library of a wing."""
+"""Wings and surfaces that cannot be meant, refused or warned of by what needs no library of a wing.
+
+Reports: `mesh-seam` (sheets that share no node), `wfile-w` and `wfile-w-mm` (the unit of a file), `wing-curved-veins`.
+"""
 
 import json
 from typing import Any

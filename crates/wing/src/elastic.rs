@@ -406,9 +406,9 @@ fn add_vein(
     // Half of each segment that bends belongs to the vertex.
     let half = |j: usize| if rigid(j) { 0.0 } else { 0.5 * edges[j].norm() };
     let stiffness = |i: usize, length: f64| vein.bending_stiffness * vein.diameter_at(i).powi(4) / length;
-    for i in 0..edges.len() {
+    for (i, edge) in edges.iter().enumerate() {
         let after = [vein.nodes[i], vein.nodes[i + 1]];
-        let direction = edges[i].normalize();
+        let direction = edge.normalize();
         if i == 0 {
             if held[after[0]] && !rigid(0) && support == Support::Clamped {
                 vertices.push(Vertex { before: None, nodes: after, direction, stiffness: stiffness(0, half(0)) });
