@@ -277,7 +277,6 @@ impl Body {
             let driven = || "in three dimensions a body is still or moves by laws".into();
             faults.forbid(self.is_driven(), &format!("{key}.motion"), driven);
             faults.forbid(self.mount.is_some(), &format!("{key}.mount"), driven);
-            self.check_passage(key, faults);
             return;
         }
         let flat = || "the fluid has two dimensions".into();
@@ -288,31 +287,6 @@ impl Body {
         if let Some(motion) = motion {
             faults.forbid(motion.z != TimeLaw::default(), &format!("{key}.motion.z"), flat);
             faults.forbid(motion.axis.is_some(), &format!("{key}.motion.axis"), flat);
-        }
-    }
-}
-
-impl Body {
-    /// Check that a cylinder through the whole box lies along it.
-    fn check_passage(&self, key: &str, faults: &mut Faults) {
-        let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
-        let along = |turned: &[f64; 3]| turned.iter().any(|part| (part.abs() / norm(*turned) - 1.0).abs() < ALONG);
-        let own = self.turned(std::array::from_fn(|d| f64::from(u8::from(d == axis as usize))), 0.0);
-        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
-        let stays = moved.is_none_or(|about| norm(cross(own, about)) <= ALONG * norm(about));
-        let name = if along(&own) { "motion.angle" } else { "turn" };
-        faults.forbid(!(along(&own) && stays), &format!("{key}.{name}"), || {
-            "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()
-        });
-    }
-
-    /// Return a vector in the body's own axes along those of the box, after a turn by `angle` (rad).
-    fn turned(&self, v: [f64; 3], angle: f64) -> [f64; 3] {
-        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
-        let moved = self.laws().and_then(|laws| laws.axis).unwrap_or(Z);
-        match &self.turn {
-            Some(Turn { axis, angle: rest }) => about(about(v, *axis, *rest), moved, angle),
-            None => about(v, moved, self.angle + angle),
         }
     }
 }
@@ -341,8 +315,13 @@ impl Body {
 
     /// Return the shape after a displacement (m) and a turn by `angle` (rad) in a box with these ends, m.
     pub(crate) fn placed(&self, displacement: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let axes: [[f64; 3]; 3] =
-            [0, 1, 2].map(|d| self.turned(std::array::from_fn(|e| f64::from(u8::from(d == e))), angle));
+        let about = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
+        let (rest, moved) = (self.turn.as_ref(), self.laws().and_then(|laws| laws.axis).unwrap_or(Z));
+        let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
+        let axes: [[f64; 3]; 3] = [0, 1, 2].map(|d| match rest {
+            Some(Turn { axis, angle: rest }) => about(about(own(d), *axis, *rest), moved, angle),
+            None => about(own(d), moved, self.angle + angle),
+        });
         let component = |list: &[f64], d: usize| list.get(d).copied().unwrap_or(0.0);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
@@ -434,6 +413,7 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
+        self.check_passage(key, faults);
         if let Some(mount) = &self.mount {
             let key = format!("{key}.mount");
             faults.forbid(self.motion.is_some(), &key, || {
@@ -450,6 +430,23 @@ impl Check for Body {
 }
 
 impl Body {
+    /// Check that a cylinder through the whole box lies along it.
+    fn check_passage(&self, key: &str, faults: &mut Faults) {
+        let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
+        let axis = std::array::from_fn(|d| f64::from(u8::from(d == axis as usize)));
+        let axis = self
+            .turn
+            .as_ref()
+            .map_or(axis, |Turn { axis: about, angle }| turned(axis, about.map(|part| part / norm(*about)), *angle));
+        let is_oblique = axis.iter().filter(|part| part.abs() > ALONG).count() > 1;
+        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
+        let leaves = moved.is_some_and(|about| norm(cross(axis, about)) > ALONG * norm(about));
+        let name = if is_oblique { "turn" } else { "motion.angle" };
+        faults.forbid(is_oblique || leaves, &format!("{key}.{name}"), || {
+            "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()
+        });
+    }
+
     /// Return the laws that move the body, if there are any.
     pub fn laws(&self) -> Option<&BodyMotion> {
         if let Some(BodyDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
