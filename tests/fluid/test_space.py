@@ -15,7 +15,7 @@ from PIL import Image
 from nervure import api, load
 from nervure.errors import SceneError, UnitError
 from nervure.output import flow, space, vortices
-from nervure.output.animation import Frames
+from nervure.output.animation import Frames, Part
 from nervure.scene import validate
 from nervure.scene.solids import PLACE, TURN, placed, rotation
 from nervure.simulation.results import FLUID_FIELDS
@@ -250,7 +250,7 @@ def test_a_body_that_falls_and_turns_is_shown_where_it_is(libraries, tmp_path):
     assert numbers.mounts["body_1"].mass_ratio == pytest.approx(1 / 0.288)
     assert numbers.mounts["body_1"].supports["angle_z"].natural_frequency == pytest.approx(200**0.5 / (2 * np.pi))
     assert numbers.velocity_of == "fall of body 1" and {"body_1_y", "body_1_vy"} <= {*done.summary.quantities}
-    frames = Frames(tmp_path / "run")
+    frames = Frames(tmp_path / "run", Part(across="z"))
     (outline,) = frames.solids(len(frames.times) - 1)
     turn = rotation([0, 0, 1], angle[-1])[:2, :2]
     corners = np.array([(0.4, 0.15), (-0.4, 0.15), (-0.4, -0.15), (0.4, -0.15)]) @ turn.T + [0.0, y[-1]]

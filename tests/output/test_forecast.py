@@ -71,7 +71,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     [
         ([], []),
         (
-            ["fluid.box.cells=[325, 72]"],
+            ["fluid.box.cells=[325, 72]", "reference=null"],
             [
                 "the front of cylinder_1 has 0.35 cells",
                 "2.43 cells in the thickness of beam are few: a first look wants 2.5, forces within some per cent 5",
@@ -92,6 +92,23 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
     warnings = list(forecast.warnings(Facts(validate(read("fsi3-1300x288", assignments)))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
+
+
+def test_fsi3_warns_of_nothing_as_its_table_shows_its_errors():
+    for name in ("fsi3-325x72", "fsi3-324x54", "fsi3-650x144", "fsi3-1300x288"):
+        warned = list(forecast.warnings(Facts(validate(read(name)))))
+        assert warned == [], (name, warned)
+    other = read("fsi3-325x72", ["fluid.kinematic_viscosity=1.1e-3"])
+    assert len(list(forecast.warnings(Facts(validate(other))))) == 2
+
+
+@pytest.mark.parametrize(("name", "shape"), [("disk", {"radius": 0.5}), ("plate", {"length": 1.0, "width": 1.0})])
+def test_a_body_without_thickness_has_no_few_cells_in_it(name, shape):
+    """As the disk of the report `st-disk-broad`."""
+    scene = read("plate-stream-96x72x72")
+    scene["fluid"]["bodies"][0]["shape"] = {name: shape}
+    warned = [text for text in forecast.warnings(Facts(validate(scene))) if "few" in text]
+    assert warned == []
 
 
 @pytest.mark.parametrize(
@@ -202,7 +219,7 @@ def test_durations_have_two_digits(seconds, text):
 
 def test_head_of_a_run_has_numbers_steps_and_warnings(libraries, tmp_path, monkeypatch):
     monkeypatch.setattr(forecast, "TIMED", 0.0)
-    command = [FSI3, "--output", tmp_path, "--end-time", "0.004"]
+    command = [FSI3, "--output", tmp_path, "--end-time", "0.004", "--set", "reference=null"]
     done = run_scene(*command)
     for part in (
         "Re 200",

@@ -82,7 +82,7 @@ def test_files_that_make_no_wing_are_refused_by_key(scene, tmp_path, monkeypatch
     with pytest.raises(SceneError, match="meshio cannot read"):
         load(scene("bad.vtk"))
     meshio.Mesh(POINTS, [("quad", [[0, 1, 4, 3]])]).write(tmp_path / "quad.vtk")
-    with pytest.raises(SceneError, match="cells quad, but a wing has triangles"):
+    with pytest.raises(SceneError, match="cells quad, and a wing has triangles"):
         load(scene("quad.vtk"))
     meshio.Mesh(POINTS, [("line", LINES)]).write(tmp_path / "line.vtk")
     with pytest.raises(SceneError, match="no triangles"):

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import re
 import zipfile
 from itertools import combinations
 from typing import Any
@@ -181,17 +182,17 @@ def test_a_square_of_two_triangles_is_a_wing(wing):
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [
-        ("triangles", [[0, 1, 2], [0, 2, 2]], r"mesh\.triangles\[1\] is \[0, 2, 2\], but it must be a triangle"),
-        ("triangles", [[0, 1, 2], [0, 2, 4]], r"mesh\.triangles\[1\] is \[0, 2, 4\], but it must be three numbers"),
-        ("triangles", [[0, 1, 2], [2, 0, 3]], r"the edge between nodes . and . belongs to 2 triangles"),
-        ("nodes", [*SQUARE["nodes"], [0.2, 0.0, 0.0]], r"mesh\.nodes\[4\] is .*in no triangle and no vein"),
-        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0], [0, 0.1, 0]], r"mesh\.triangles\[0\] is .* a triangle with"),
-        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0.1, 0.1, 0]], r"mesh\.triangles\[1\] .* a triangle with"),
+        ("triangles", [[0, 1, 2], [0, 2, 2]], r"triangles\[1\]` is \[0, 2, 2\], but it must be a triangle with"),
+        ("triangles", [[0, 1, 2], [0, 2, 4]], r"triangles\[1\]` is \[0, 2, 4\], but it must be three numbers"),
+        ("triangles", [[0, 1, 2], [2, 0, 3]], r"triangles\[1\]` is \[2, 0, 3\], .* the same sense of rotation"),
+        ("nodes", [*SQUARE["nodes"], [0.2, 0.0, 0.0]], r"nodes\[4\]` is .*in no triangle and no vein"),
+        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0], [0, 0.1, 0]], r"triangles\[0\]` is .* a triangle with"),
+        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0.1, 0.1, 0]], r"triangles\[1\]` .* a triangle with"),
         ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.1, math.inf, 0], [0, 0.1, 0]], r"nodes\[2\]\[1\]` must be a number"),
-        ("chains", [{"name": "root", "nodes": [0, 9]}, SQUARE["chains"][1]], r"root\.nodes.*9"),
+        ("chains", [{"name": "root", "nodes": [0, 9]}, SQUARE["chains"][1]], r"chains\[0\]\.nodes\[1\]` is 9"),
         ("chains", [SQUARE["chains"][0]], r'`wing\.veins\[0\]\.chain` is "left", .*the chains of the mesh are `root`'),
         ("chains", [SQUARE["chains"][1]], r'`wing\.root` is "root", .*the chains of the mesh are `left`'),
-        ("chains", [SQUARE["chains"][0], {"name": "left", "nodes": [2, 2]}], r"veins\.left\.nodes"),
+        ("chains", [SQUARE["chains"][0], {"name": "left", "nodes": [2, 2]}], r"nodes\[1\]` is 2, .*has it already"),
     ],
 )  # fmt: skip
 def test_a_bad_mesh_is_refused_with_its_place(key, value, said, wing):
@@ -259,7 +260,7 @@ def test_a_falling_wing_has_the_mass_of_its_regions(tmp_path):
         ({"name": "soft"}, [], r'`wing\.regions\[0\]\.name` is "soft", .*no groups: a region needs a `polygon`'),
         ({"name": "a", "polygon": [[5, 0], [6, 0], [6, 1]]}, None, r"regions\[0\]\.polygon` is .*middle of a triangle"),
         ({"name": "a", "polygon": [[5, 0], [6, 0]]}, None, r"regions\[0\]\.polygon` .*3"),
-        ({"name": "stiff"}, [{"name": "stiff", "triangles": [4]}], r"groups\[0\]\.triangles` is 4, .*triangles 0 to 3"),
+        ({"name": "stiff"}, [{"name": "stiff", "triangles": [4]}], r"triangles\[0\]` is 4, .*triangles 0 to 3"),
     ],
 )  # fmt: skip
 def test_a_bad_region_is_refused_with_its_key(region, groups, said):
@@ -273,5 +274,6 @@ def test_the_picture_of_a_mesh_names_its_regions(tmp_path):
                '{"areal_density": 0.1, "stretching_stiffness": 500}}]']  # fmt: skip
     done = command("inspect", HANGING, "--set", COARSE[0], "--set", regions[0], cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "regions outer (" in " ".join(done.stdout.split())
+    said = " ".join(done.stdout.split())
+    assert "regions outer (" in said and re.search(r"wing [\d.]+ x [\d.]+ x 0 m, \d+ nodes", said), said
     assert (tmp_path / "results" / "wing-hanging" / "mesh.png").stat().st_size > 10_000

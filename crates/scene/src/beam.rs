@@ -69,10 +69,12 @@ impl Check for Beam {
         self.thickness.check_at(&format!("{key}.thickness"), faults);
         self.check_rest_angles(&format!("{key}.rest_angles"), faults);
         let Root::At { position, direction } = &self.root else { return };
-        let points = direction.len() == position.len() && direction.iter().any(|&c| c != 0.0);
-        faults.require(points, &format!("{key}.root.at.direction"), format!("{direction:?}"), || {
-            format!("it must have {} components like the position, not all 0", position.len())
-        });
+        let (key, count) = (format!("{key}.root.at.direction"), position.len());
+        if faults.require(direction.len() == count, &key, format!("{direction:?}"), || {
+            format!("it must have {count} components like the position")
+        }) {
+            faults.direction(&key, direction);
+        }
     }
 }
 

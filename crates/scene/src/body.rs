@@ -3,7 +3,7 @@
 use geometry::Section;
 use geometry::plane::Outline;
 use geometry::space::Solid;
-use geometry::vector::{dot, norm, turned};
+use geometry::vector::{cross, dot, norm, turned};
 use geometry::{Chain, Placed, Surface, lies_on, meets};
 use method::Axis;
 use schemars::JsonSchema;
@@ -259,8 +259,7 @@ impl Body {
             ("motion.axis", motion.and_then(|motion| motion.axis)),
         ];
         for (name, axis) in axes {
-            let has_length = axis.is_none_or(|axis| axis.iter().any(|component| *component != 0.0));
-            faults.require(has_length, &format!("{key}.{name}"), "[0, 0, 0]", || "an axis has a length".into());
+            axis.iter().for_each(|axis| _ = faults.direction(&format!("{key}.{name}"), axis));
         }
         if is_space {
             let fits = self.angle == 0.0;
@@ -294,6 +293,9 @@ const Z: [f64; 3] = [0.0, 0.0, 1.0];
 fn component(list: &[f64], d: usize) -> f64 {
     list.get(d).copied().unwrap_or(0.0)
 }
+
+/// Relative tolerance of a direction along an axis of the box.
+const ALONG: f64 = 1e-9;
 
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
@@ -427,6 +429,7 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
+        self.check_passage(key, faults);
         self.reference.check_at(&format!("{key}.reference"), faults);
         faults.forbid(self.mount.is_some() && self.motion.is_some(), &format!("{key}.mount"), || {
             "`motion` moves the body already; remove one of the two".into()
@@ -440,6 +443,23 @@ impl Check for Body {
 }
 
 impl Body {
+    /// Check that a cylinder through the whole box lies along it.
+    fn check_passage(&self, key: &str, faults: &mut Faults) {
+        let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
+        let axis = std::array::from_fn(|d| f64::from(u8::from(d == axis as usize)));
+        let axis = self
+            .turn
+            .as_ref()
+            .map_or(axis, |Turn { axis: about, angle }| turned(axis, about.map(|part| part / norm(*about)), *angle));
+        let is_oblique = axis.iter().filter(|part| part.abs() > ALONG).count() > 1;
+        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
+        let leaves = moved.is_some_and(|about| norm(cross(axis, about)) > ALONG * norm(about));
+        let name = if is_oblique { "turn" } else { "motion.angle" };
+        faults.forbid(is_oblique || leaves, &format!("{key}.{name}"), || {
+            "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()
+        });
+    }
+
     /// Return the laws that move the body, if there are any.
     pub fn laws(&self) -> Option<&BodyMotion> {
         if let Some(BodyDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
@@ -514,7 +534,12 @@ fn check_surface(
     faults: &mut Faults,
 ) {
     if let Some(file) = file {
-        return faults.refuse_file(&format!("{key}.file"), file);
+        let key = format!("{key}.file");
+        let alone = nodes.is_empty() && triangles.is_empty();
+        if faults.forbid(!alone, &key, || "the surface has `nodes` and `triangles`; remove one of the two".into()) {
+            faults.refuse_file(&key, file);
+        }
+        return;
     }
     faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
     let (name, count) = (format!("{key}.triangles"), triangles.len());
@@ -526,17 +551,17 @@ fn check_surface(
             format!("the surface has {} nodes, counted from 0", nodes.len())
         });
     } else if let Some(i) =
-        triangles.iter().position(|corners| mesh::triangle_area(&corners.map(|node| nodes[node])) <= 0.0)
+        triangles.iter().position(|corners| !mesh::triangle_area(&corners.map(|node| nodes[node])).is_normal())
     {
         faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            "these nodes lie on a line: the triangle has no area".into()
+            "these nodes lie on a line, or too far apart: the triangle has no area".into()
         });
     }
 }
 
 /// Check that the sides of a polygon, or of a line that is not `closed`, have a length and neither cross nor touch one
 /// another; the first fault is added.
-fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
+pub(crate) fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
     let n = corners.len();
     let count = if closed { n } else { n.saturating_sub(1) };
     let side = |i: usize| [corners[i], corners[(i + 1) % n]];

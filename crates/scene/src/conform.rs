@@ -111,6 +111,15 @@ impl<'a> Checker<'a> {
                 None => (),
             }
         }
+        // A variant with more keys than its tag.
+        let untagged = variants.iter().find(|variant| {
+            let properties = variant.get("properties").and_then(Value::as_object);
+            let tag = properties.filter(|properties| properties.len() > 1).and_then(|found| found.keys().next());
+            matches!(&node.content, Content::Object(members) if members.iter().any(|own| Some(&own.name) == tag))
+        });
+        if let (Some(variant), Content::Object(members)) = (untagged, &node.content) {
+            return self.check_object(key, members, variant);
+        }
         let words: Vec<_> = variants.iter().filter_map(|variant| variant.get("const")?.as_str()).collect();
         let text = if let Content::Text(text) = &node.content { text.as_str() } else { "" };
         if words.contains(&text) {

@@ -179,6 +179,14 @@ impl Faults {
         });
     }
 
+    /// Check that a vector has a direction: the square of its length is a normal number.
+    pub fn direction(&mut self, key: &str, vector: &[f64]) -> bool {
+        let squared: f64 = vector.iter().map(|part| part * part).sum();
+        self.require(squared.is_normal(), key, format!("{vector:?}"), || {
+            "it must have a length from 1e-150 to 1e150".into()
+        })
+    }
+
     /// Check that an interval has a positive length.
     pub fn interval(&mut self, key: &str, [low, high]: [f64; 2]) -> bool {
         self.require(low < high, key, format!("[{low}, {high}]"), || "the first number must be the smaller".into())

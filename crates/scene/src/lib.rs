@@ -40,6 +40,7 @@ mod unit;
 mod warning;
 mod warnings;
 mod wing;
+mod wing_checks;
 
 pub use ::method::{
     Axis, Bending, Calibration, Filter, Mask, Precision, Scheme as RodScheme, Section, Slide, Support, Surface,

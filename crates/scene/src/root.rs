@@ -157,8 +157,7 @@ impl Check for RootLaws {
 impl Check for Rotation {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.angle.check_at(&format!("{key}.angle"), faults);
-        let points = self.axis.iter().any(|&c| c != 0.0);
-        faults.require(points, &format!("{key}.axis"), format!("{:?}", self.axis), || "it must not be 0".into());
+        faults.direction(&format!("{key}.axis"), &self.axis);
     }
 }
 

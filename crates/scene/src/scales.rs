@@ -318,7 +318,7 @@ impl Shape {
     /// Return the sides of a body in space along its own axes, m, and its largest projection along one of them or, of a
     /// surface, along its mean normal, m²; of a body in the plane zeros. A cylinder may go through a box with the
     /// `ends`.
-    fn sides(&self, ends: &[[f64; 2]]) -> ([f64; 3], f64) {
+    pub(crate) fn sides(&self, ends: &[[f64; 2]]) -> ([f64; 3], f64) {
         let largest = |[x, y, z]: [f64; 3]| f64::max(f64::max(x * y, y * z), z * x);
         let quarter = std::f64::consts::FRAC_PI_4;
         match self {

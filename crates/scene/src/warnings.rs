@@ -12,6 +12,7 @@ use crate::places::{self, AXES, Line, rounded, shown};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
+use crate::wing_checks;
 
 /// Times at which motions are checked, over the whole run and once more at its beginning.
 const TIMES: usize = 2000;
@@ -56,6 +57,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
+    found.extend(scene.wing.iter().flat_map(wing_checks::warnings));
     found
 }
 

@@ -2,12 +2,13 @@
 
 use mesh::{Chain, Mesh};
 use method::Scheme;
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults, list};
 use crate::root::RootLaws;
 use crate::scales::ReferenceScales;
+use crate::wing_checks;
 
 /// Most nodes of a wing.
 const MOST_NODES: usize = 100_000;
@@ -23,6 +24,7 @@ pub struct Wing {
     pub membrane: Option<Membrane>,
     /// Parts of the membrane of other materials; the last one counts where several hold a triangle.
     #[serde(default)]
+    #[schemars(length(max = 100))]
     pub regions: Vec<Region>,
     /// Veins.
     #[serde(default)]
@@ -61,6 +63,7 @@ pub struct Wing {
 /// Mesh of a wing. Chains are named lines of nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(transform = one_of)]
 pub enum WingMesh {
     /// A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`.
     Rectangular {
@@ -111,9 +114,25 @@ pub enum WingMesh {
         #[serde(default)]
         groups: Vec<WingGroup>,
     },
-    /// File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
-    /// key; lines of a physical group make a chain of its name, and triangles a group.
-    File(String),
+    /// File of another program beside the scene's. `nervure` puts `triangles` in its place.
+    #[serde(untagged)]
+    File {
+        /// Gmsh, VTK, OBJ or STL; lines of a physical group make a chain of its name, and triangles a group.
+        file: String,
+        /// Length of the unit of the file, m; by default 1.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        unit: Option<f64>,
+    },
+}
+
+/// Say in the schema that a mesh has the keys of one variant alone, also of that without a tag.
+fn one_of(schema: &mut Schema) {
+    let Some(mut variants) = schema.remove("anyOf") else { return };
+    for variant in variants.as_array_mut().into_iter().flatten() {
+        variant["additionalProperties"] = false.into();
+    }
+    schema.insert("oneOf".into(), variants);
 }
 
 /// Named line of nodes.
@@ -122,7 +141,8 @@ pub enum WingMesh {
 pub struct WingChain {
     /// Name.
     pub name: String,
-    /// Nodes in order, counted from 0.
+    /// Nodes in order, counted from 0, each once.
+    #[schemars(length(min = 1))]
     pub nodes: Vec<usize>,
 }
 
@@ -133,6 +153,7 @@ pub struct WingGroup {
     /// Name.
     pub name: String,
     /// Triangles, counted from 0.
+    #[schemars(length(min = 1))]
     pub triangles: Vec<usize>,
 }
 
@@ -228,7 +249,7 @@ impl WingMesh {
                 triangles: triangles.clone(),
                 chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
             },
-            Self::File(_) => Mesh { nodes: Vec::new(), triangles: Vec::new(), chains: Vec::new() },
+            Self::File { .. } => Mesh { nodes: Vec::new(), triangles: Vec::new(), chains: Vec::new() },
         }
     }
 
@@ -239,12 +260,12 @@ impl WingMesh {
             Self::Elliptical { .. } => vec!["root", "tip"],
             Self::Insect { .. } => vec!["root", "margin", "costa", "radius", "media", "cubitus", "anal"],
             Self::Triangles { chains, .. } => chains.iter().map(|chain| &chain.name[..]).collect(),
-            Self::File(_) => Vec::new(),
+            Self::File { .. } => Vec::new(),
         }
     }
 
     /// Return the groups of triangles.
-    fn groups(&self) -> &[WingGroup] {
+    pub(crate) fn groups(&self) -> &[WingGroup] {
         match self {
             Self::Triangles { groups, .. } => groups,
             _ => &[],
@@ -254,7 +275,7 @@ impl WingMesh {
 
 impl Region {
     /// Return the triangles of the region in a mesh with these groups.
-    fn triangles(&self, mesh: &Mesh, groups: &[WingGroup]) -> Vec<usize> {
+    pub(crate) fn triangles(&self, mesh: &Mesh, groups: &[WingGroup]) -> Vec<usize> {
         let Some(polygon) = &self.polygon else {
             let group = groups.iter().find(|group| group.name == self.name);
             return group.map(|group| group.triangles.clone()).unwrap_or_default();
@@ -289,51 +310,11 @@ impl Wing {
         }
         materials
     }
-
-    /// Check that regions have triangles, and that groups have triangles of the mesh.
-    fn check_regions(&self, key: &str, faults: &mut Faults) {
-        let groups = self.mesh.groups();
-        if self.regions.is_empty() && groups.is_empty() {
-            return;
-        }
-        let bare = self.membrane.is_none() && !self.regions.is_empty();
-        faults.forbid(bare, &format!("{key}.regions"), || "regions are parts of a `membrane`".into());
-        let mesh = self.mesh.build();
-        let count = mesh.triangles.len();
-        for (i, group) in groups.iter().enumerate() {
-            if let Some(t) = group.triangles.iter().find(|t| **t >= count) {
-                let key = format!("{key}.mesh.triangles.groups[{i}].triangles");
-                faults.require(false, &key, t, || format!("the mesh has triangles 0 to {}", count.saturating_sub(1)));
-            }
-        }
-        for (i, region) in self.regions.iter().enumerate() {
-            let own = format!("{key}.regions[{i}]");
-            let is_group = groups.iter().any(|group| group.name == region.name);
-            let said = format!("{:?}", region.name);
-            match &region.polygon {
-                None => {
-                    faults.require(is_group, &format!("{own}.name"), said, || match groups {
-                        [] => "the mesh has no groups: a region needs a `polygon`".into(),
-                        _ => {
-                            let names = list(groups.iter().map(|group| &group.name), "and");
-                            format!("the groups of the mesh are {names}; another region needs a `polygon`")
-                        }
-                    });
-                }
-                Some(polygon) => {
-                    let has_some = !region.triangles(&mesh, groups).is_empty();
-                    faults.require(has_some, &format!("{own}.polygon"), format!("{polygon:?}"), || {
-                        "the middle of a triangle must lie inside".into()
-                    });
-                }
-            }
-        }
-    }
 }
 
 impl Check for Wing {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        if let WingMesh::File(file) = &self.mesh {
+        if let WingMesh::File { file, .. } = &self.mesh {
             return faults.refuse_file(&format!("{key}.mesh.file"), file);
         }
         self.reference.check_at(&format!("{key}.reference"), faults);
@@ -362,7 +343,7 @@ impl Check for Wing {
                     faults.push(Fault::needed("wing.membrane", "triangles need a material"));
                 }
             }
-            WingMesh::File(_) => (),
+            WingMesh::File { .. } => (),
             _ if self.membrane.is_none() => {
                 faults.push(Fault::needed("wing.membrane", "a generated mesh has triangles, which need a material"));
             }
@@ -379,7 +360,7 @@ impl Check for Wing {
             }
         }
         if faults.len() == before {
-            self.check_regions(key, faults);
+            wing_checks::check(self, key, faults);
         }
     }
 }

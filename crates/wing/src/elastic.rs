@@ -1,18 +1,15 @@
 //! Elastic energy of the wing with gradient, in the order membrane, plate, veins.
 
-use mesh::Mesh;
+use mesh::{Bend, Mesh};
 use nalgebra::Matrix3;
 
 use crate::face::{Face, FaceShape};
-use crate::geometry::{Geometry, Vector};
+use crate::geometry::{Geometry, Vector, refused};
 use crate::parameters::{Parameters, Support, Vein};
 use crate::plate::{Hinge, Side, compliance};
 use crate::sparse::Symmetric;
 use crate::vein::{Segment, Vertex};
 use crate::{Energy, Error, WingError};
-
-/// Largest turn of a vein at rest, rad: an angle from coordinates in single precision.
-const STRAIGHT: f64 = 1e-6;
 
 /// Largest turn of a hinge in a sub-step, rad: beyond it Newton's method may have found another solution, a fold.
 const MOST_TURN: f64 = std::f64::consts::FRAC_PI_4;
@@ -344,7 +341,7 @@ fn hinges(
     let supported = parameters.root.support != Support::Pinned;
     let mut hinges = Vec::new();
     let mut face_hinges = vec![[None; 3]; mesh.triangles.len()];
-    for edge in mesh.edges()? {
+    for edge in mesh.edges().map_err(refused)? {
         let ends_held = edge.nodes.iter().all(|&k| held[k]);
         // The first triangle of a hinge always bends; the second does, or it is part of the support.
         let (first, second) = match (edge.first, edge.second) {
@@ -380,17 +377,19 @@ fn add_vein(
     segments: &mut Vec<Segment>,
     vertices: &mut Vec<Vertex>,
 ) -> Result<(), Error> {
+    if let Some((k, bend)) = mesh.bend(&vein.nodes)
+        && (vein.bending_stiffness > 0.0 || bend != Bend::Turn)
+    {
+        let allowed = match bend {
+            Bend::Point => "followed by a node at another place",
+            _ => "on a straight line at rest: a curved vein needs a material frame; split it where it turns",
+        };
+        return Err(Error::value(format!("veins.{}.nodes", vein.name), k, allowed));
+    }
     let edges: Vec<_> = vein.nodes.windows(2).map(|ends| mesh.node(ends[1]) - mesh.node(ends[0])).collect();
     let rigid = |j: usize| held[vein.nodes[j]] && held[vein.nodes[j + 1]];
     for (j, edge) in edges.iter().enumerate() {
         let length = edge.norm();
-        if !length.is_normal() {
-            return Err(Error::value(
-                format!("veins.{}.nodes", vein.name),
-                &vein.nodes[..],
-                "nodes at different places",
-            ));
-        }
         // Simpson's rule for μ and the diameter at the middle for EA.
         let [start, end] = [vein.diameter_at(j), vein.diameter_at(j + 1)];
         let middle = 0.5 * (start + end);
@@ -407,19 +406,14 @@ fn add_vein(
     // Half of each segment that bends belongs to the vertex.
     let half = |j: usize| if rigid(j) { 0.0 } else { 0.5 * edges[j].norm() };
     let stiffness = |i: usize, length: f64| vein.bending_stiffness * vein.diameter_at(i).powi(4) / length;
-    for i in 0..edges.len() {
+    for (i, edge) in edges.iter().enumerate() {
         let after = [vein.nodes[i], vein.nodes[i + 1]];
-        let direction = edges[i].normalize();
+        let direction = edge.normalize();
         if i == 0 {
             if held[after[0]] && !rigid(0) && support == Support::Clamped {
                 vertices.push(Vertex { before: None, nodes: after, direction, stiffness: stiffness(0, half(0)) });
             }
             continue;
-        }
-        let turn = edges[i - 1].normalize().cross(&direction).norm();
-        if !(turn <= STRAIGHT && edges[i - 1].dot(&direction) > 0.0) {
-            let allowed = "a straight line at rest: a curved vein needs a material frame; split it where it turns";
-            return Err(Error::value(format!("veins.{}.nodes", vein.name), after[0], allowed));
         }
         let length = half(i - 1) + half(i);
         if length > 0.0 {

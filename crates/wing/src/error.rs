@@ -6,19 +6,6 @@ pub type Error = structure::Error<WingError>;
 /// Reason that only a wing has.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 pub enum WingError {
-    /// An edge belongs to more than two triangles, or to two that run in the same direction.
-    #[error(
-        "the edge between nodes {} and {} belongs to {triangles} triangles in the direction of triangle {triangle}, \
-         but it must belong to one: the triangles of a surface have the same sense of rotation", nodes[0], nodes[1]
-    )]
-    Edge {
-        /// Ends of the edge.
-        nodes: [usize; 2],
-        /// Number of triangles in this direction.
-        triangles: usize,
-        /// Last of the triangles.
-        triangle: usize,
-    },
     /// Two neighbouring triangles or two segments of a vein fold onto each other, or a triangle loses its area.
     #[error("the wing folds at nodes {} and {}: {what}", nodes[0], nodes[1])]
     Fold {

@@ -4,7 +4,7 @@ use mesh::Mesh;
 use serde::{Deserialize, Serialize};
 use structure::{Scheme, check_scheme, not_negative, positive};
 
-use crate::geometry::Geometry;
+use crate::geometry::refused;
 use crate::{Error, Wing};
 
 /// Material of a region of the membrane.
@@ -153,7 +153,11 @@ impl Parameters {
 
     /// Refuse a parameter outside its range.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        self.mesh.check()?;
+        let nodes = self.mesh.nodes.len();
+        if nodes < 2 {
+            return Err(Error::value("mesh.nodes", nodes, "at least 2 nodes"));
+        }
+        self.mesh.edges().map_err(refused)?;
         for (i, membrane) in self.membranes.iter().enumerate() {
             positive(format!("membranes[{i}].areal_density"), membrane.areal_density)?;
             positive(format!("membranes[{i}].stretching_stiffness"), membrane.stretching_stiffness)?;
@@ -175,7 +179,6 @@ impl Parameters {
         if triangles > 0 && self.membranes.is_empty() {
             return Err(Error::value("membranes", "empty", "at least one material"));
         }
-        let nodes = self.mesh.nodes.len();
         for vein in &self.veins {
             let name = |key: &str| format!("veins.{}.{key}", vein.name);
             positive(name("line_density"), vein.line_density)?;
@@ -208,10 +211,7 @@ impl Parameters {
             positive("max_step", longest)?;
         }
         check_scheme(self.scheme)?;
-        let mut used = vec![false; nodes];
-        let corners = self.mesh.triangles.iter().flatten();
-        corners.chain(self.veins.iter().flat_map(|vein| &vein.nodes)).for_each(|&k| used[k] = true);
-        match used.iter().position(|&used| !used) {
+        match self.mesh.unused(self.veins.iter().map(|vein| &vein.nodes[..])) {
             Some(k) => Err(Error::value(format!("mesh.nodes[{k}]"), "in no triangle and no vein", "part of the wing")),
             None => Ok(()),
         }

@@ -54,6 +54,7 @@ def guarded_outputs(rod: Unit, beam: str) -> tuple[list[str], list[str]]:
 class Limits:
     """What decides on the stability of an explicit exchange: the numbers of the fluid and of one beam."""
 
+    cells: tuple[int, ...]
     cell: tuple[float, ...]  # Lengths of a cell, m
     max_cfl: float
     c_eta: float  # s
@@ -61,6 +62,7 @@ class Limits:
     thickness: float  # m
     line: bool
     fluid_steps: int  # Steps of the fluid in a communication step, by `max_step` and the stream
+    cfl: float = 0.0  # CFL number of a step by the stream
 
 
 class Balance(NamedTuple):
@@ -87,6 +89,8 @@ class EnergyGuard:
     def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam", parallel: bool = False):
         self.guards, self.rod, self.fluid, self.parallel = guards, rod, fluid, parallel
         self.is_beam = beam != "wing"
+        number = beam.removeprefix("beam[").removesuffix("]")  # Of several rods, from 1
+        self.segments = f"rods[{int(number) - 1}].beam.segments" if number.isdecimal() else "beam.segments"
         self.momentum = takes_momentum(rod)
         self.power_on_rod = _index(rod, "load.power")
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
@@ -113,7 +117,7 @@ class EnergyGuard:
         self.balance = Balance(steps + 1, difference, exchanged, on_rod, last, rate, *own)
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
-                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.advice(h)} "
+                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}{self._then(h)} "
                 "(the limits are in `coupling.guards`)"
             )
 
@@ -134,8 +138,7 @@ class EnergyGuard:
             if self._exceeds(count, difference, exchanged):
                 self.warned = difference / exchanged
                 yield (
-                    f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}; "
-                    f"{self.advice(h)}"
+                    f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}{self._then(h)}"
                 )
                 return
 
@@ -145,23 +148,45 @@ class EnergyGuard:
             difference > max(WARN_RATIO, GROWN * self.warned) * exchanged and exchanged > count * self.guards.min_power
         )
 
+    def _then(self, h: float) -> str:
+        advice = self.advice(h)
+        return f"; {advice}" if advice else ""
+
     def advice(self, h: float) -> str:
-        """Return advice for this scene, whose step is `h` (s)."""
+        """Return advice for this scene, whose step is `h` (s); empty where none was tried."""
         if self.momentum and self.parallel:
             return "take the scheme explicit: in parallel the fluid sees the rod a step late"
         if self.momentum:
-            shorter = f"take a `time.communication_step` of {below(h / 2)} s"
+            divided = self._divided(h)
             if not self.is_beam:
-                return self._divided(h) or f"{shorter}, or a wing whose nodes are farther apart than 1.5 cells"
+                return divided or ""
             if self.limits and self.limits.line:
-                return self._divided(h) or f"{shorter} or finer `fluid.box.cells`"
-            return self._divided(h) or self._too_close() or shorter
+                finer = self._finer(h, self.limits)
+                return f"{divided}; if that is not enough, {finer}" if divided else finer
+            return divided or self._too_close() or ""
         shorter = f"of {below(h / 2)} s"
         if self.limits and h > self.limits.max_step * (1 + ROUNDING):
             shorter = f"of {below(self.limits.max_step)} s, a step of the fluid"
         elif self.limits and h > (longest := PENALIZED * self.limits.c_eta) * (1 + ROUNDING):
             shorter = f"of {below(longest)} s, {PENALIZED:g} C_eta"
         return f"leave `coupling.scheme` out, which iterates, or take a `time.communication_step` {shorter}"
+
+    def _finer(self, h: float, limits: Limits) -> str:
+        """Return advice for a line: cells of half the length, and segments as long, resolve its short waves."""
+        parts = [f"`fluid.box.cells` of {[2 * count for count in limits.cells]}"]
+        stations = self._stations()
+        needed = round(2 * np.linalg.norm(np.diff(stations), axis=0).sum() / min(limits.cell))
+        if stations.shape[1] - 1 < needed:
+            parts.append(f"`{self.segments}` of {needed}")
+        if (ratio := 2 * limits.cfl / limits.max_cfl) > 1.0:
+            parts.append(f"a `time.communication_step` of {below(h / ratio)} s")
+        *front, last = parts
+        return f"take {', '.join(front)} and {last}" if front else f"take {last}"
+
+    def _stations(self) -> np.ndarray:
+        """Return the positions of the stations of a beam, m: `[dimension, stations]`."""
+        names = ["x", "y", "z"][: len(self.limits.cell) if self.limits else 2]
+        return np.array([self.rod.outputs[self.rod.slices[name]] for name in names])
 
     def _rate(self) -> float:
         """Return how many cells the fastest station passes in a second, 1/s."""
@@ -196,15 +221,14 @@ class EnergyGuard:
         x, y = (self.rod.variables[name].size for name in ("x", "y"))
         segments = min(x, y) - 1
         if self.limits is None:
-            return f"take fewer `beam.segments` than {segments}: close stations feel each other's load a step late"
-        places = [self.rod.outputs[self.rod.slices[name]] for name in ("x", "y")]
-        length = float(np.hypot(*np.diff(places)).sum())
+            return f"take fewer `{self.segments}` than {segments}: close stations feel each other's load a step late"
+        length = float(np.linalg.norm(np.diff(self._stations()), axis=0).sum())
         most = int(length / (SEGMENT * self.limits.thickness))
         if segments <= max(most, 1):
             return None
         return (
-            f"take at most {most} `beam.segments` in place of {segments}: stations closer than {SEGMENT:g} thicknesses "
-            "feel each other's load a step late"
+            f"take at most {most} `{self.segments}` in place of {segments}: stations closer than {SEGMENT:g} "
+            "thicknesses feel each other's load a step late"
         )
 
     def reason(self, difference: float, exchanged: float, power: float) -> str | None:

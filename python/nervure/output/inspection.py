@@ -5,6 +5,7 @@ import zipfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -101,7 +102,8 @@ def show_scene(console: Console, scene: Scene) -> None:
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {beam.segments + 1} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
     if mesh := facts.wing:
-        size = f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
+        extent = " x ".join(f"{length:.3g}" for length in np.ptp(mesh.nodes, axis=0))
+        size = f"{extent} m, {len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
         if scene.wing and scene.wing.regions:
             names = [region.name for region in scene.wing.regions]
             size += f", regions {', '.join(f'{n} ({(mesh.materials == i).sum()})' for i, n in enumerate(names, 1))}"

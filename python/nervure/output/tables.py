@@ -94,7 +94,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     if any(quantity.noise and quantity.noise > NOISY for quantity in summary.quantities.values()):
         console.print(
             "noise is the part of a signal above six times its frequency; it raises amplitudes, not those of `fit` in "
-            "summary.json. At least five cells across each moving body lessen it",
+            "summary.json. Five cells across each moving body that has a thickness lessen it",
             soft_wrap=True,
         )
     if summary.not_compared is not None:

@@ -20,7 +20,7 @@ from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check
 from nervure.resources import ROOT, SCENES
-from nervure.scene.files import Files, Read, named
+from nervure.scene.files import MOST_BYTES, Files, Read, named
 from nervure.scene.keys import Document, assign, json_or_text, override, plain
 from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene
@@ -29,8 +29,6 @@ __all__ = [
     "Document", "Own", "Scene", "assign", "beams", "document", "files_of", "json_or_text", "load", "override", "plain",
     "read", "text", "validate", "with_files", "write_copy",
 ]  # fmt: skip
-
-MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
@@ -58,7 +56,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     if files.parts or assignments or end_time is not None:
         faults = check(text(scene), source)
     if faults:
-        raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
+        raise SceneError("\n".join(_line(fault, path, end_time is not None, files.parts) for fault in faults), faults)
     made = validate(scene)
     made._files = files
     return made
@@ -74,10 +72,15 @@ def files_of(scene: Scene | Document) -> Files:
     return scene._files if isinstance(scene, Scene) else getattr(scene, "files", Files())
 
 
-def _line(fault: Fault, path: Path, with_end_time: bool) -> str:
-    """Return the sentence of a fault with its place: in the file at `path`, or the option that changed the value."""
+def _line(fault: Fault, path: Path, with_end_time: bool, files: Iterable[str] = ()) -> str:
+    """Return the sentence of a fault with its place: in the file at `path`, one of the `files` beside it, or the option
+    that changed the value."""
     if fault.line:
         return f"{path}, line {fault.line}, column {fault.column}: {fault.text}"
+    for part in files:
+        key = re.sub(r"\.(\d+)\b", r"[\1]", part)
+        if fault.key.startswith(key):
+            return f"{fault.text} (from `{key}.file`)"
     option = "--end-time" if with_end_time and fault.key == "time.end" else "--set"
     return f"{fault.text} (from {option})"
 

@@ -1,11 +1,16 @@
 """Scenes whose meshes and surfaces stand in files: the units get nodes and triangles in the place of a name."""
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from nervure.errors import SceneError
 from nervure.scene import meshes, surfaces
 from nervure.scene.keys import Document, assign
+
+MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
+NODE_BYTES = 300  # Of a node with two triangles in the text of a scene
 
 
 @dataclass(frozen=True)
@@ -21,8 +26,12 @@ class Files:
     def embed(self, scene: Document) -> "Files":
         """Read the files of `scene`, in its place, and return what stood there."""
         parts = dict(named(scene))
-        surfaces.embed(scene, self.folder)
-        meshes.embed(scene, self.folder)
+        read = surfaces.embed(scene, self.folder) + meshes.embed(scene, self.folder)
+        if read and (size := len(json.dumps(scene, indent=2, ensure_ascii=False))) > MOST_BYTES:
+            raise SceneError(
+                f"the scene has {size / (1 << 20):.1f} MB with nodes and triangles of `{'`, `'.join(read)}`, but at "
+                f"most {MOST_BYTES >> 20} MB are allowed, some {MOST_BYTES // NODE_BYTES:,} nodes: a coarser mesh helps"
+            )
         return Files(self.folder, {**self.parts, **parts})
 
     def change(self, scene: Document, changes: Mapping[str, object]) -> "Files":

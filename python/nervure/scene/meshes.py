@@ -8,48 +8,63 @@ import numpy as np
 
 from nervure.errors import SceneError
 from nervure.extras import require
+from nervure.scene import reading
 from nervure.scene.keys import Document
 
 KEY = "wing.mesh.file"
 
 
-def embed(scene: Document, folder: Path) -> bool:
-    """Put nodes (m), triangles and chains of a file, relative to `folder`, into the wing of `scene`, and return whether
-    there was a file. Raise `SceneError` for a file that is no wing."""
+def embed(scene: Document, folder: Path) -> list[str]:
+    """Put nodes (m), triangles and chains of a file, relative to `folder`, into the wing of `scene`, and return its key
+    if there was one. Raise `SceneError` for a file that is no wing."""
     wing = scene.get("wing")
     mesh = wing.get("mesh") if isinstance(wing, dict) else None
-    if not isinstance(mesh, dict) or len(mesh) != 1 or not isinstance(mesh.get("file"), str):
-        return False
-    mesh["triangles"] = read(folder / mesh.pop("file"))
-    return True
+    if not isinstance(mesh, dict) or not isinstance(mesh.get("file"), str) or not mesh.keys() <= {"file", "unit"}:
+        return []
+    if (unit := reading.unit(mesh)) is None:
+        return []  # The units say what is wrong
+    name = mesh["file"]
+    try:
+        found = read(folder / name, unit)
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        raise SceneError(f"`{KEY}` is {name!r}, but {why}") from error
+    mesh.clear()
+    mesh["triangles"] = found
+    return [KEY]
 
 
-def read(path: Path) -> Document:
-    """Return `nodes` (m), `triangles`, `chains` and `groups` of a file that meshio reads: OBJ, STL, VTK, Gmsh, others.
+def read(path: Path, unit: float = 1.0) -> Document:
+    """Return `nodes` (m), `triangles`, `chains` and `groups` of a file that meshio reads: OBJ, STL, VTK, Gmsh, others;
+    `unit` is the length of its unit, m.
 
     The line cells of each physical group of Gmsh, or of each value of an array of integers, make a chain of that name,
     and the triangles a group.
-    Raises `SceneError` where the file has no triangles, other faces, or lines that are no chain.
+    Raises `ValueError` where the file has no triangles, other faces, lines that are no chain, or nodes that it lacks.
     """
     meshio = require("meshio", f"`{KEY}`")
     if not path.is_file():
-        raise SceneError(f"`{KEY}` is {str(path)!r}, but there is no such file")
+        raise ValueError("there is no such file")
+    reading.check_size(path)
     try:
         with warnings.catch_warnings(action="ignore"):
             mesh = meshio.read(path)
     except (Exception, SystemExit) as error:
-        raise SceneError(f"`{KEY}` is {str(path)!r}, which meshio cannot read: {error}") from error
-    faces = {block.type for block in mesh.cells} - {"line", "triangle", "vertex"}
+        raise ValueError(f"meshio cannot read it: {error}") from error
+    cells = [(block.type, np.asarray(block.data)) for block in mesh.cells]
+    faces = {kind for kind, _ in cells} - {"line", "triangle", "vertex"}
     if faces:
-        raise SceneError(f"`{KEY}` is {str(path)!r} with cells {', '.join(sorted(faces))}, but a wing has triangles")
-    triangles = np.concatenate([np.empty((0, 3), int), *(c.data for c in mesh.cells if c.type == "triangle")])
+        raise ValueError(f"it has cells {', '.join(sorted(faces))}, and a wing has triangles")
+    for _, corners in cells:
+        reading.check_nodes(corners, len(mesh.points))
+    triangles = np.concatenate([np.empty((0, 3), int), *(corners for kind, corners in cells if kind == "triangle")])
     if not len(triangles):
-        raise SceneError(f"`{KEY}` is {str(path)!r}, but it has no triangles")
-    lines = {name: _chain(name, np.array(segments), path) for name, segments in _groups(mesh).items()}
+        raise ValueError("it has no triangles")
+    lines = {name: _chain(name, np.array(segments)) for name, segments in _groups(mesh).items()}
     # Gmsh writes points that belong to no cell, too.
     used = np.unique(np.concatenate([triangles.ravel(), *lines.values()]))
     places = np.zeros((len(used), 3))
-    places[:, : mesh.points.shape[1]] = mesh.points[used]
+    places[:, : mesh.points.shape[1]] = unit * mesh.points[used]
     return {
         "nodes": places.tolist(),
         "triangles": np.searchsorted(used, triangles).tolist(),
@@ -89,7 +104,7 @@ def _groups(mesh: Any) -> dict[str, list[np.ndarray]]:
     return found
 
 
-def _chain(name: str, segments: np.ndarray, path: Path) -> list[int]:
+def _chain(name: str, segments: np.ndarray) -> list[int]:
     """Return the nodes along segments, from the end that the file names first."""
     neighbours: dict[int, list[int]] = {}
     for a, b in segments.tolist():
@@ -103,5 +118,5 @@ def _chain(name: str, segments: np.ndarray, path: Path) -> list[int]:
             break
         nodes += ahead
     if len(nodes) != len(segments) + 1:
-        raise SceneError(f"`{KEY}` is {str(path)!r}: the lines of {name!r} must be one chain without branches or loops")
+        raise ValueError(f"the lines of {name!r} must be one chain without branches or loops")
     return nodes

@@ -89,10 +89,9 @@ class Session(TimeLoop):
         ]
         if self.scene.wing:
             bodies = [(max(cell), True)]
+        numbers, cfl = (tuple(box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step), self.facts.numbers
         for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):
-            guard.limits = Limits(
-                cell, stepping.max_cfl, mask["c_eta"], stepping.max_step, thickness, line, self.facts.fluid_steps
-            )
+            guard.limits = Limits(*numbers, thickness, line, self.facts.fluid_steps, (cfl and cfl.cfl) or 0.0)
 
     def _check(self) -> None:
         self.warnings += self.places.check(self.time)
