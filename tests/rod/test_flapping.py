@@ -188,7 +188,6 @@ def test_an_inverted_flag_has_three_states(bending, state, ran):
 
 
 def test_a_pitched_plate_has_the_lift_of_a_fine_grid(ran):
-    """On 96 cells a chord cL at t = 4 is 1.61 without slip of the line and 1.78 with it; here 1.83. Jantzen et al. (2014)
-    have 1.52."""
+    """On 96 cells a chord cL at t = 4 is 1.61 without slip and 1.78 with it; here 1.83. Jantzen et al. have 1.52."""
     found = thin.pitched(ran(thin.PLATE, simulate.on_grid(216, 288, 0.005) | {"beam.segments": 12}).series)
     assert found["lift"] == pytest.approx(1.72, rel=0.08), found
