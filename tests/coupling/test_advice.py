@@ -10,6 +10,13 @@ from nervure.simulation.session import Session
 pytestmark = pytest.mark.usefixtures("libraries")
 
 SHORT = 'coupling={"guards": {"window_steps": 100}}'
+FLAG_H = [
+    SHORT,
+    *("fluid.box.cells=[160,80]", "beam.segments=16", "rod.material.section.line_density=0.075"),
+    *("time.communication_step=0.005", "fluid.time_stepping.max_step=0.005"),
+]
+"""The flag of the report `flagH`, which shorter steps stopped earlier."""
+
 VALUE = re.compile(r"`([a-z_.\[\]\d]+)` of (\[[^]]*\]|[\d.e-]+)")
 
 
@@ -30,10 +37,11 @@ def taken(advice: str) -> list[str]:
 @pytest.mark.parametrize(
     ("name", "coarser", "end"),
     [
-        ("flag-massless-240x120", ["fluid.box.cells=[80,40]", "beam.segments=8", SHORT], 2.0),
-        ("flag-line-480x240", ["fluid.box.cells=[80,40]", SHORT], 0.41),
+        ("flag-massless-240x120", FLAG_H, 0.51),
+        ("flag-line-480x240", ["fluid.box.cells=[120,60]", SHORT], 0.41),
         ("filament-line-192x192", ["fluid.box.cells=[64,64]"], 3.0),
-        ("filament-swimming-144x48", ["fluid.box.cells=[36,12]"], 1.5),
+        ("filament-swimming-144x48", ["fluid.box.cells=[72,24]"], 1.5),
+        ("filament-trio-144x96", ["fluid.box.cells=[72,48]"], 7.5),
     ],
 )
 def test_a_run_that_takes_the_advice_is_quiet(name, coarser, end):

@@ -187,7 +187,7 @@ def test_an_inverted_flag_has_three_states(bending, state, ran):
         assert found["high"] - found["low"] > 1.0, found
 
 
-def test_a_pitched_plate_has_the_lift_of_a_fine_grid(ran):
-    """On 96 cells a chord cL at t = 4 is 1.61 without slip and 1.78 with it; here 1.83. Jantzen et al. have 1.52."""
+def test_a_pitched_plate_has_the_published_lift(ran):
+    """cL is 1.52 at t = 4 after Jantzen et al. (2014), 1.43 on 24 cells a chord."""
     found = thin.pitched(ran(thin.PLATE, simulate.on_grid(216, 288, 0.005) | {"beam.segments": 12}).series)
-    assert found["lift"] == pytest.approx(1.72, rel=0.08), found
+    assert found["lift"] == pytest.approx(1.521, rel=0.08), found

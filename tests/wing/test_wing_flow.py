@@ -99,16 +99,12 @@ def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
         assert "the wing passes up to 1.2 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)
 
 
-def test_a_stiff_wing_has_the_forces_of_a_rigid_plate(tmp_path):
-    """The difference from the stiffest falls as the compliance. That from the plate is the push of the wing's inertia
-    along itself on 8 cells a chord."""
+def test_the_forces_of_a_wing_approach_those_of_a_stiff_one(tmp_path):
+    """The difference falls as the compliance, and is within 1 % where the wing bends little."""
     stiffest = wing_study.forces(wing_study.heaving(1e5, 32), "wing", tmp_path)
     found = {d: wing_study.differences(wing_study.heaving(d, 32), tmp_path, stiffest)["mean"] for d in (500.0, 5000.0)}
     assert found[5000.0] < 0.01, found
     assert found[500.0] / found[5000.0] == pytest.approx(10.0, abs=3.0), found
-    plate = wing_study.forces(wing_study.rigid(wing_study.heaving(1.0, 32)), "body_1", tmp_path)
-    off = wing_study.differences(wing_study.heaving(5000.0, 32), tmp_path, plate)["mean"]
-    assert off < 0.06, off
 
 
 def test_a_short_run_tells_of_lost_work(tmp_path):

@@ -18,7 +18,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    const IN_PLANE: Self = Self { reach: 3, spacing: 1.75, drawn_in: 0.43 };
+    const IN_PLANE: Self = Self { reach: 3, spacing: 1.75, drawn_in: 0.4 };
     const IN_SPACE: Self = Self { reach: 2, spacing: 1.5, drawn_in: 0.4 };
 
     /// Return the kernel of a number of dimensions.

@@ -163,7 +163,6 @@ where
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
         bodies.solve_springs(scheme.c, &present.carried, u_star, w);
         thin.place(step.stations, &bodies.rigid, grid);
-        thin.begin(&present.flexible.stations);
         if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
             return Err(Error::Markers { time });
         }

@@ -2,7 +2,7 @@
 
 use line_fft::Real;
 
-use super::markers::{Marker, Markers};
+use super::markers::Markers;
 use super::system::System;
 use crate::field::Field;
 use crate::grid::Grid;
@@ -64,23 +64,7 @@ impl<const D: usize> MarkerDrag<D> {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
         self.markers.pass(first, &mut self.right_side);
         self.system.assemble(&self.markers, grid);
-        for k in 0..self.markers.len() {
-            let slip = self.markers.inverse_drag(k) * self.inertia(k);
-            self.right_side[k] += slip;
-        }
         self.system.solve(&self.right_side, &mut self.force)
-    }
-
-    /// Return the part of the force on a marker of a flexible body, over the density, that the change of its velocity along
-    /// the body causes. It goes without slip, so that the impedance is the same across and along.
-    fn inertia(&self, k: usize) -> Vector<D> {
-        let Marker { velocity, before, along, .. } = self.markers.get(k);
-        before.map_or(Vector::zeros(), |before| along * (before - velocity) * self.system.mobility(k).recip())
-    }
-
-    /// Return the force on a marker over the density without that part.
-    pub fn without_inertia(&self, k: usize) -> Vector<D> {
-        self.force[k] - self.inertia(k)
     }
 
     /// Write −∂f/∂U, the decrease of the forces on all markers with a motion of which `velocity` gives that of a marker,
@@ -119,15 +103,11 @@ impl<const D: usize> MarkerDrag<D> {
         };
         let mut found = self.solve(c_0, rate, first, grid);
         self.slope.fill(0.0);
-        let Self { markers, system, slope, right_side, response, .. } = self;
+        let Self { system, slope, right_side, response, .. } = self;
         for axis in 0..D {
             right_side.fill(Vector::from_fn(|own, _| if own == axis { 1.0 } else { 0.0 }));
             found &= system.solve(right_side, response);
-            for (k, (slope, response)) in slope.iter_mut().zip(&*response).enumerate() {
-                // The mean over the directions across the line or surface, in which the drag is largest.
-                let along = &markers.get(k).along;
-                *slope += (response[axis] - along.column(axis).dot(response)) / (D as f64 - along.trace());
-            }
+            slope.iter_mut().zip(&*response).for_each(|(slope, response)| *slope += response[axis] / D as f64);
         }
         if !found {
             slope.fill(f64::NAN);

@@ -39,8 +39,6 @@ pub struct Marker<const D: usize> {
     pub measure: f64,
     /// Drag rate of the line or surface, m/s.
     kappa: f64,
-    /// Velocity of a flexible body at the beginning of the step, m/s.
-    pub before: Option<Vector<D>>,
     /// Volume of the layer that moves with it, m³, or m² in the plane.
     pub layer: f64,
     /// Projection of a vector on the line or surface along which it slips, 0 where it does not.
@@ -75,8 +73,8 @@ impl<const D: usize> Markers<D> {
     pub fn add(&mut self, measure: f64, layer: f64, c_eta: f64, slip: Slip) {
         let (zero, along, spans) = (Vector::zeros(), SMatrix::zeros(), std::array::from_fn(|_| (0, 0..0)));
         let kappa = layer / (measure * c_eta);
-        let (position, velocity, before) = (zero, zero, None);
-        self.own.push(Marker { position, velocity, before, measure, layer, kappa, along, slip, spans, points: 0..0 });
+        let (position, velocity) = (zero, zero);
+        self.own.push(Marker { position, velocity, measure, layer, kappa, along, slip, spans, points: 0..0 });
     }
 
     /// Return the number of markers.

@@ -27,7 +27,7 @@ use crate::bodies::{Bodies, Carried, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
-use crate::kernel::{ROD_SECTION_CELLS, layer_thickness};
+use crate::kernel::{Kernel, ROD_SECTION_CELLS, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
 use crate::space::{Space, Vector};
 use crate::stations::{Loads, Stations};
@@ -57,14 +57,17 @@ struct Thin<const D: usize> {
 enum Facing {
     /// The markers beside each one, in the plane.
     Line,
-    /// None of them: a line in space does not slip.
-    Rod,
+    /// Nothing: the body does not slip.
+    Unknown,
     /// The triangles of each.
     Surface(Facets),
 }
 
 /// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
-pub struct ThinBodies<const D: usize> {
+pub struct ThinBodies<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     bodies: Vec<Thin<D>>,
     /// Numbers of the flexible ones among all flexible bodies.
     flexible: Vec<usize>,
@@ -80,28 +83,49 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    fn new(number: usize, body: &Flexible<D>, c_eta: f64, nu: f64, cell: f64, markers: &mut Markers<D>) -> Self {
+    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one slips.
+    fn new(
+        number: usize,
+        body: &Flexible<D>,
+        slips: bool,
+        c_eta: f64,
+        nu: f64,
+        cell: f64,
+        markers: &mut Markers<D>,
+    ) -> Self {
         let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
         let mut stress = None;
         let (parts, facing, measures, edges, layer) = match &body.extent {
             Extent::Surface(triangles) => {
-                let surface::Patches { parts, facets, areas, edges } =
-                    surface::patches(&body.nodes_in_space(), triangles, cell, first);
-                (parts, Facing::Surface(facets), areas, edges, thickness)
+                let surface::Patches { parts, facets, areas, edges } = surface::patches(
+                    &body.nodes_in_space(),
+                    triangles,
+                    if slips { slip::RIM } else { surface::RIM },
+                    cell,
+                    first,
+                );
+                (parts, if slips { Facing::Surface(facets) } else { Facing::Unknown }, areas, edges, thickness)
             }
             extent => {
                 let free = if let Extent::Line { free } = extent { *free } else { [true; 2] };
-                let (parts, edges, length) = Parts::of_line(&body.nodes, free, cell, first);
+                let (parts, edges, length) = Parts::of_line(
+                    &body.nodes,
+                    free,
+                    if slips && D == 2 { slip::DRAWN_IN } else { Kernel::of(D).drawn_in },
+                    cell,
+                    first,
+                );
                 let measures = vec![length / parts.len() as f64; parts.len()];
                 if D == 2 {
                     stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
                 }
                 let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
-                (parts, if D == 2 { Facing::Line } else { Facing::Rod }, measures, edges, layer)
+                (parts, if slips && D == 2 { Facing::Line } else { Facing::Unknown }, measures, edges, layer)
             }
         };
         for (measure, edge) in measures.iter().zip(edges) {
-            let slip = if let Facing::Rod = facing { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
+            let slip =
+                if let Facing::Unknown = facing { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
             markers.add(*measure, layer * measure, c_eta, slip);
         }
         Self { number, parts, facing, pivot: body.pivot, stress }
@@ -111,7 +135,7 @@ where
     fn place(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
         self.parts.place(nodes, markers);
         let own = self.parts.markers();
-        if let Facing::Rod = self.facing {
+        if let Facing::Unknown = self.facing {
             return;
         }
         for k in own.clone() {
@@ -120,7 +144,7 @@ where
                     let place = |k: usize| markers.get(k).position;
                     place((k + 1).min(own.end - 1)) - place(k.max(own.start + 1) - 1)
                 }
-                Facing::Line | Facing::Rod => {
+                Facing::Line | Facing::Unknown => {
                     let end = |k: usize| Vector::from(nodes.position.each_ref().map(|of| of[k]));
                     end(nodes.len() - 1) - end(0)
                 }
@@ -154,13 +178,18 @@ where
         Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
     }
 
-    /// Return a force without the inertia along the body.
-    fn without_inertia(&self, mut force: Force<D>, about: &Vector<D>, drag: &MarkerDrag<D>, density: f64) -> Force<D> {
+    /// Return the force of the layer that slips along a turning body: its Coriolis acceleration across the body, which the
+    /// fluid at a body of no thickness has not.
+    fn gliding(&self, body: &RigidNodes<D>, drag: &MarkerDrag<D>, density: f64) -> Force<D> {
+        let mut sum = Force::default();
         for k in self.parts.markers() {
-            let inertia = drag.force[k] - drag.without_inertia(k);
-            force.add(&(inertia * -density), &(drag.markers.get(k).position - about));
+            let marker = drag.markers.get(k);
+            let slip = marker.along * (drag.markers.inverse_drag(k) * drag.force[k]);
+            let acceleration = <[f64; D]>::swing(body.spin, &slip) * 2.0;
+            let force = (acceleration - marker.along * acceleration) * (density * marker.layer);
+            sum.add(&force, &(marker.position - body.pivot));
         }
-        force
+        sum
     }
 
     /// Return the sum of the forces on the markers with the moment about a point (m), and the power, W.
@@ -186,7 +215,8 @@ where
         let (c_eta, cell) = (parameters.mask.c_eta(), grid.cell_size());
         let (mut bodies, mut flexible, mut rigid) = (Vec::new(), Vec::new(), Vec::new());
         for (number, body) in parameters.thin() {
-            bodies.push(Thin::new(number, &body, c_eta, parameters.kinematic_viscosity, cell, &mut markers));
+            let (slips, nu) = (number < rigid_bodies, parameters.kinematic_viscosity);
+            bodies.push(Thin::new(number, &body, slips, c_eta, nu, cell, &mut markers));
             match number.checked_sub(rigid_bodies) {
                 Some(number) => flexible.push(number),
                 None => rigid.push(RigidNodes::new(&body.nodes, &parameters.bodies[number])),
@@ -236,14 +266,6 @@ where
             thin.place(&own.nodes, markers);
         }
         markers.find_cells(grid);
-        self.begin(stations);
-    }
-
-    /// Let the flexible bodies begin a step with the velocities of `stations`.
-    pub fn begin(&mut self, stations: &[Stations<D>]) {
-        for (thin, number) in self.bodies.iter().zip(&self.flexible) {
-            thin.parts.begin(&stations[*number], &mut self.drag.markers);
-        }
     }
 
     /// Take the drag into the local solve, let the bodies on springs move, and give `w`, which holds u* + tau G without
@@ -356,7 +378,6 @@ where
             let (centre, own) = (thin.centre(&stations[number]), &mut exchange[number]);
             let (force, power) = thin.force(&centre[0], &self.drag, self.density);
             *own = Exchange { force: force.force.into(), power, work: own.work + power * dt };
-            let force = thin.without_inertia(force, &centre[0], &self.drag, self.density);
             forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
         }
         for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
@@ -364,7 +385,9 @@ where
             if own.on_springs {
                 of_body.force = of_body.force.plus(&force);
             } else {
-                of_body.update(force, thin.displaced([own.pivot, own.velocity], markers, self.density), dt);
+                let gliding = thin.gliding(own, &self.drag, self.density);
+                let displaced = thin.displaced([own.pivot, own.velocity], markers, self.density);
+                of_body.update(force.plus(&gliding), displaced, dt);
             }
         }
     }
@@ -381,13 +404,7 @@ where
         for (thin, number) in self.with_nodes(stations) {
             let Some(stress) = &thin.stress else { continue };
             let nodes = [&stations[number], &before[number]];
-            stress.write(
-                &|k| self.drag.without_inertia(k),
-                self.density,
-                dt,
-                nodes,
-                [&mut jumps[number], &mut shears[number]],
-            );
+            stress.write(&self.drag.force, self.density, dt, nodes, [&mut jumps[number], &mut shears[number]]);
         }
     }
 }

@@ -27,17 +27,18 @@ impl Parts {
     }
 
     /// Parts of a line through points (m) for cells of a size (m), the distance of each from the nearest free end (m), and
-    /// the length of the line; `free` tells which ends are free.
+    /// the length of the line; `free` tells which ends are free and so `drawn_in`, cells.
     pub fn of_line<const D: usize>(
         points: &[[f64; D]],
         free: [bool; 2],
+        drawn_in: f64,
         cell: f64,
         first: usize,
     ) -> (Self, Vec<f64>, f64) {
         let arc = arc(points);
         let length = arc[arc.len() - 1];
         let kernel = Kernel::of(D);
-        let [begin, left] = free.map(|free| if free { (kernel.drawn_in * cell).min(0.25 * length) } else { 0.0 });
+        let [begin, left] = free.map(|free| if free { (drawn_in * cell).min(0.25 * length) } else { 0.0 });
         let span = length - begin - left;
         let count = (span / (kernel.spacing * cell)).round().max(1.0);
         let (part, mut parts, mut edges) = (span / count, Self::new(first), Vec::new());
@@ -94,11 +95,6 @@ impl Parts {
     pub fn place<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
         self.means(&nodes.position).for_each(|(k, position)| markers.get_mut(k).position = position);
         self.means(&nodes.velocity).for_each(|(k, velocity)| markers.get_mut(k).velocity = velocity);
-    }
-
-    /// Begin a step with the velocities of the nodes.
-    pub fn begin<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
-        self.means(&nodes.velocity).for_each(|(k, velocity)| markers.get_mut(k).before = Some(velocity));
     }
 
     /// Return the number of each marker with the mean of what the nodes have.

@@ -4,17 +4,22 @@ use super::markers::Markers;
 use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
 use crate::parameters::{Body, Motion};
-use crate::space::{Freedoms, Space, Vector};
+use crate::space::{Freedoms, Space, Spin, Vector};
 use crate::stations::Stations;
 
 /// The nodes of a thin rigid body.
-pub struct RigidNodes<const D: usize> {
+pub struct RigidNodes<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// Nodes from the pivot in the axes of the body, m.
     rest: Vec<Vector<D>>,
     /// Nodes at the present place, the pivot, and its velocity.
     pub nodes: Stations<D>,
     pub pivot: Vector<D>,
     pub velocity: Vector<D>,
+    /// Angular velocity, rad/s.
+    pub spin: Spin<D>,
     /// Whether the fluid moves the body.
     pub on_springs: bool,
 }
@@ -36,6 +41,7 @@ where
             nodes: Stations::at_rest(rest),
             pivot: Vector::zeros(),
             velocity: Vector::zeros(),
+            spin: Default::default(),
             on_springs,
         }
     }
@@ -43,7 +49,7 @@ where
     /// Move to the place of the body.
     pub fn place(&mut self, rigid: &Rigid<D>) {
         let rates = rigid.pose.rates();
-        (self.pivot, self.velocity) = (rigid.pose.position, rigid.pose.velocity);
+        (self.pivot, self.velocity, self.spin) = (rigid.pose.position, rigid.pose.velocity, rigid.pose.omega);
         for (k, rest) in self.rest.iter().enumerate() {
             let arm = <[f64; D]>::turn(&rigid.orientation, *rest);
             let (place, velocity) = (rigid.pose.position + arm, velocity_of(&rates, &arm));

@@ -29,12 +29,12 @@ impl LineStress {
     }
 
     /// Write the pressure above less the pressure below the line at its stations, and the shear stress on both faces
-    /// together towards the tip, Pa, in a step of `dt` seconds from the stations `before`. The layer that moves across
-    /// with the line takes a part of the force on the markers, which a line of no thickness would not need. Friction that jumps at
+    /// together towards the tip, Pa, in a step of `dt` seconds from the stations `before`. The layer that moves with the
+    /// line takes a part of the force on the markers, which a line of no thickness would not need. Friction that jumps at
     /// an end makes it alternate from marker to marker, so the shear is of means with the weights 1, 2, 1.
     pub fn write<const D: usize>(
         &self,
-        force: &dyn Fn(usize) -> Vector<D>,
+        force: &[Vector<D>],
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
@@ -44,27 +44,22 @@ impl LineStress {
     {
         let last = jump.len() - 1;
         let at = |field: &[Vec<f64>; D], k: usize| Vector::from(field.each_ref().map(|of| of[k]));
-        let tangent_of = |stations: &Stations<D>, k: usize| {
+        let tangent = |k: usize| {
             let [from, to] = [k.saturating_sub(1), (k + 1).min(last)].map(|k| at(&stations.position, k));
             let along: Vector<D> = to - from;
             along / along.iter().fold(0.0_f64, |length, component| length.hypot(*component))
         };
-        let tangent = |k: usize| tangent_of(stations, k);
-        let velocity_across = |stations: &Stations<D>, k: usize| {
-            let (velocity, tangent) = (at(&stations.velocity, k), tangent_of(stations, k));
-            velocity - tangent * velocity.dot(&tangent)
-        };
         let across = |of: &Vector<D>, tangent: &Vector<D>| <[f64; D]>::components(<[f64; D]>::cross(of, tangent))[0];
         for k in 0..=last {
             let tangent = tangent(k);
-            let acceleration: Vector<D> = (velocity_across(stations, k) - velocity_across(before, k)) / dt;
+            let acceleration: Vector<D> = (at(&stations.velocity, k) - at(&before.velocity, k)) / dt;
             let layer = density * self.layer;
             (jump[k], shear[k]) = (layer * across(&acceleration, &tangent), layer * acceleration.dot(&tangent));
         }
         let Range { start, end } = self.parts.markers();
         for (k, shares) in self.parts.iter() {
             let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
-            let (own, mean) = (force(k), beside.iter().map(|k| force(*k)).sum::<Vector<D>>() * 0.25);
+            let (own, mean) = (force[k], beside.iter().map(|k| force[*k]).sum::<Vector<D>>() * 0.25);
             for &(point, share) in shares {
                 let (tangent, weight) = (tangent(point), density * share / self.covered[point]);
                 jump[point] += weight * across(&own, &tangent);

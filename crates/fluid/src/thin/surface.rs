@@ -18,9 +18,8 @@ const SPACING_CELLS: f64 = 1.75;
 const GRAIN: f64 = 0.2;
 
 /// Width of the rim, cells, in which the weight of a grain in the centre of its patch falls to 0 at the edge. It draws
-/// the markers in, because the kernel reaches beyond them. With it the forces on a plate of aspect 2 in a stream change
-/// least with the grid.
-const RIM_CELLS: f64 = 0.5;
+/// the markers in, because the kernel reaches beyond them: with it a disk has its added mass.
+pub const RIM: f64 = 0.15;
 
 /// Rounds in which each patch becomes what is nearest to its centre.
 const ROUNDS: usize = 40;
@@ -83,14 +82,14 @@ impl Facets {
     }
 }
 
-/// Return the patches of a surface on cells of a size (m), the first one for the marker `first`.
-pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usize) -> Patches {
+/// Return the patches of a surface with a rim (cells) on cells of a size (m), the first one for the marker `first`.
+pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], rim: f64, cell: f64, first: usize) -> Patches {
     let mut grains = grains(nodes, triangles, GRAIN * SPACING_CELLS * cell);
     let edges: Vec<_> = free_edges(triangles).into_iter().map(|ends| ends.map(|node| nodes[node])).collect();
     let whole = grains.iter().map(|grain| grain.area).sum::<f64>();
     let from_edge = |point: &[f64; 3]| edges.iter().map(|ends| from_line(point, ends)).fold(whole, f64::min).sqrt();
     for grain in &mut grains {
-        grain.weight = grain.area * (from_edge(&grain.middle) / (RIM_CELLS * cell)).min(1.0);
+        grain.weight = grain.area * (from_edge(&grain.middle) / (rim * cell)).min(1.0);
     }
     let total = grains.iter().map(|grain| grain.area).sum::<f64>();
     let mut centres = spread_out(&grains, count(total, cell) as usize);
@@ -264,7 +263,7 @@ mod tests {
     fn patches_cover_the_surface_and_markers_keep_their_distance() {
         for along in [2, 40] {
             let ((nodes, triangles), cell) = (rectangle(along), 1.0 / 24.0);
-            let Patches { parts, areas, .. } = patches(&nodes, &triangles, cell, 0);
+            let Patches { parts, areas, .. } = patches(&nodes, &triangles, RIM, cell, 0);
             assert!((areas.iter().sum::<f64>() - 0.5).abs() < 1e-12);
             let mean = areas.iter().sum::<f64>() / areas.len() as f64;
             let centre = |shares: &[(usize, f64)]| {
@@ -284,7 +283,7 @@ mod tests {
     #[test]
     fn loads_go_back_by_the_transpose() {
         let (nodes, triangles) = rectangle(7);
-        let Patches { parts, areas, .. } = patches(&nodes, &triangles, 0.05, 0);
+        let Patches { parts, areas, .. } = patches(&nodes, &triangles, RIM, 0.05, 0);
         let mut markers = Markers::<3>::default();
         areas.iter().for_each(|area| markers.add(*area, *area, 1.0, Slip::default()));
         let mut stations = Stations::at_rest(&nodes);

@@ -27,8 +27,6 @@ const LEAST_PIVOT: f64 = 0.01;
 /// The matrix with its neighbours, and room for its solution.
 pub struct System<const D: usize> {
     matrix: Matrix<D>,
-    /// Velocity of each marker by equal forces on all, over the force: the sums of the rows without the drag.
-    mobility: Vec<f64>,
     /// Blocks of grid points along each axis, and the block of each marker.
     counts: [usize; D],
     blocks: Vec<[usize; D]>,
@@ -158,7 +156,6 @@ impl<const D: usize> System<D> {
         };
         Self {
             matrix,
-            mobility: vec![0.0; count],
             counts: [0; D],
             blocks: Vec::with_capacity(count),
             heads: vec![],
@@ -177,7 +174,6 @@ impl<const D: usize> System<D> {
         self.matrix.starts.clear();
         self.matrix.columns.clear();
         self.matrix.entries.clear();
-        self.mobility.fill(0.0);
         self.sort_into_blocks(markers, grid);
         for j in 0..markers.len() {
             self.find_near(j);
@@ -185,23 +181,15 @@ impl<const D: usize> System<D> {
             starts.push(columns.len());
             let own = markers.shared(j, j, grid).unwrap_or_default();
             diagonal[j] = markers.inverse_drag(j) + Block::from_diagonal_element(per_volume * own);
-            self.mobility[j] += per_volume * own;
             for &k in &self.near {
                 if let Some(shared) = markers.shared(j, k, grid) {
                     columns.push(k);
                     entries.push(per_volume * shared);
-                    self.mobility[j] += per_volume * shared;
-                    self.mobility[k] += per_volume * shared;
                 }
             }
         }
         self.matrix.starts.push(self.matrix.columns.len());
         self.matrix.factorize();
-    }
-
-    /// Return the velocity of a marker by equal forces on all, over the force.
-    pub fn mobility(&self, k: usize) -> f64 {
-        self.mobility[k]
     }
 
     fn sort_into_blocks(&mut self, markers: &Markers<D>, grid: &Grid<D>) {
