@@ -70,9 +70,10 @@ def test_the_page_of_shapes_has_every_key_of_the_schema(union):
     rows = re.findall(r"^- (.*(?:\n  .*)*)", (GUIDE / "shapes.md").read_text(encoding="utf-8"), re.MULTILINE)
     schema = json.loads((ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8"))["$defs"][union]
     for choice in schema["oneOf"]:
-        ((shape, content),) = choice["properties"].items()
+        (shape, content), *beside = choice["properties"].items()
         said = " ".join(row for row in rows if f"`{shape}`" in row.partition(":")[0])
-        missing = [key for key in content.get("properties", {}) if f"`{key}`" not in said]
+        keys = [*content.get("properties", {}), *(key for key, _ in beside)]
+        missing = [key for key in keys if f"`{key}`" not in said]
         assert said and not missing, f"{shape}: {missing}"
 
 

@@ -168,9 +168,9 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
             "at once",
         ),
         ({"motion": {"y": {"sine": {"amplitude": 0.02, "frequency": 0.5}}}}, 0.0, "at once"),
-        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 1.0, "0.84853 cells, and its chord 12"),
-        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 0.1, None),
-        (PLATE, 1.0, None),
+        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 4.0, "0.42426 cells, and its chord 12"),
+        ({"turn": {"axis": [0, 0, -1], "angle": 0.5236}, **PLATE}, 1.0, None),
+        (PLATE, 4.0, None),
     ],
 )
 def test_layers_that_the_grid_does_not_resolve_are_told(body, stream, said):

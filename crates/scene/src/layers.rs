@@ -15,7 +15,7 @@ use crate::warning::Warning;
 
 /// Least cells in the layer of a moving body: forces on a sphere are a quarter too small at 0.32 in a Stokes layer, a
 /// seventh at 0.32 and a twentieth at 0.5 after a start.
-const OF_BODY: f64 = 1.0;
+const OF_BODY: f64 = 0.8;
 
 /// Least cells in the layer of a root: those of the shipped scenes, compared with published forces, begin at 0.68.
 const OF_ROOT: f64 = 0.6;
@@ -26,8 +26,8 @@ const START: f64 = 0.3;
 /// Part of the largest rate or acceleration from which on a start is sudden.
 const SUDDEN: f64 = 0.1;
 
-/// Least cells in the boundary layer √(ν L/(2 U)) of an oblique plate: with 1.1, its lift is a quarter too small.
-const OBLIQUE: f64 = 2.0;
+/// Least cells in the boundary layer √(ν L/(2 U)) of an oblique plate: with 0.5, its lift is a twentieth off.
+const OBLIQUE: f64 = 0.5;
 
 /// Least components of the normal of a plate along and across the stream for a lift.
 const LIFTS: f64 = 0.1;
@@ -67,7 +67,7 @@ pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], 
             found.push(Warning {
                 text: format!(
                     "the boundary layer of `{}`, an oblique plate, has {} cells, and its chord {}: with less than \
-                     {OBLIQUE} in the layer, its lift can be too small by a quarter",
+                     {OBLIQUE} in the layer, its lift can be off by some per cent",
                     own.key,
                     rounded(layer),
                     rounded(scales.length / cell)
@@ -95,7 +95,7 @@ fn of_motion(key: String, laws: &[&TimeLaw], least: f64, [nu, cell, end]: [f64; 
         )
     } else if resolved > START * end && moving().any(|law| law.starts_at_once(SUDDEN)) {
         format!(
-            "`{key}` starts at once: until t = {} s, when the layer at the surface has {least:.1} cells, forces are too \
+            "`{key}` starts at once: until t = {} s, when the layer at the surface has {least} cells, forces are too \
              small; finer cells shorten this time",
             rounded(resolved)
         )

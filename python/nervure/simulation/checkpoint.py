@@ -170,7 +170,7 @@ def restore(session: Session, kept: Kept) -> None:
     session.scheme.remember(memory)
     session.scheme.logs()
     done, recorder = about["done"], session.recorder
-    if not (isinstance(done, int) and 0 < done <= session.grid.steps):
+    if not (isinstance(done, int) and 0 <= done <= session.grid.steps):
         raise ValueError(f"{done} steps are done of {session.grid.steps}")
     recorder.resume(_like(recorder.table, arrays["series"], (done // recorder.stride + 1, len(recorder.columns))))
     session.resume_at(done, float(about["wall"]))
