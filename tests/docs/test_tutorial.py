@@ -34,7 +34,8 @@ def follow(page, folder, end=None):
             short += f" --end-time {end}"
         done = subprocess.run(["bash", "-c", short], cwd=folder, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-        warned = [line for line in done.stderr.splitlines() if "warning:" in line and "needs the package" not in line]
+        told = [line for line in done.stderr.splitlines() if "warning:" in line and "needs the package" not in line]
+        warned = [line for line in told if not (end and "starts at once" in line)]  # a large part of a short run
         assert not warned, f"{command}\n{warned}"
     for path in re.findall(r"`(my-[a-z-]+/\S+?)`", text):
         assert (folder / path).is_file(), path
