@@ -5,7 +5,7 @@ use std::slice::from_mut;
 use super::*;
 use crate::log::Log;
 
-/// A model whose only parameter starts at `start`, in `unit`, and whose output is one value short if `short`.
+/// A model whose only parameter starts at `start`, in `unit`, and whose input is one value short if `short`.
 struct Probe {
     unit: &'static str,
     start: f64,
@@ -30,14 +30,12 @@ impl Model for Probe {
     fn variables(&self) -> Vec<Variable<Self>> {
         type Real = crate::Real<Probe>;
         vec![
-            Real::input("u", "m", "", |probe| &mut probe.u).array(2),
+            Real::input("u", "m", "", |probe| &mut probe.u[..if probe.short { 1 } else { 2 }]).array(2),
             Real::parameter("p", self.unit, "", |probe| from_mut(&mut probe.start)).at_least(0.0).below(9.0),
             crate::Integer::local("mode", "", |_| &[2]).enumeration("Mode", &["off", "on"]).constant(),
             Real::local("T", "degC", "", |_| &[0.0]).display_unit("K").nominal(300.0).discrete(),
             Real::local("area", "m2", "", |_| &[1.0]).display_unit("mm2").calculated_parameter(),
-            Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
-                .array(2)
-                .depends_on(&["u"]),
+            Real::output("y", "m", "", |_| &[0.0; 2]).array(2).depends_on(&["u"]),
             crate::Text::parameter("words", "", |probe: &mut Probe| &mut probe.words).array(2),
             Real::time(),
         ]
@@ -134,7 +132,7 @@ fn in_fmi_3_an_array_is_one_variable_with_a_dimension() {
 #[test]
 fn a_wrong_length_is_refused_with_both_numbers() {
     let message = describe(Probe { short: true, ..PROBE }).err().unwrap();
-    assert!(message.contains("y: the model returns 1 values, the list declares 2"), "{message}");
+    assert!(message.contains("u: the model returns 1 values, the list declares 2"), "{message}");
 }
 
 #[test]
