@@ -62,7 +62,7 @@ mod tests {
     fn near_pairs_are_those_of_all_pairs_in_their_order() {
         let part = |k: usize, d: usize| (((k * (d + 7) + 3) * 37) % 101) as f64 / 101.0;
         let all: Vec<Bounds<3>> =
-            (0..60).map(|k| [0, 1, 2].map(|d| [part(k, d), part(k, d) + 0.2 * part(d, k)])).collect();
+            (0..60).map(|k| [0, 1, 2].map(|d| [part(k, d), part(k, d) + 0.6 * part(d, k)])).collect();
         for gap in [0.0, 0.1] {
             let pairs = (0..all.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
             let expected: Vec<_> = pairs.filter(|[i, j]| are_near(&all[*i], &all[*j], gap)).collect();
