@@ -3,6 +3,7 @@
 use std::slice::from_mut;
 
 use super::*;
+use crate::instance::{load, load_described};
 use crate::log::Log;
 
 /// A model whose only parameter starts at `start`, in `unit`, and whose input is one value short if `short`.
@@ -21,6 +22,10 @@ impl Model for Probe {
 
     fn load(_: &Resources) -> Result<Self, String> {
         Ok(PROBE)
+    }
+
+    fn build(&mut self) -> Result<(), String> {
+        Err("there is no solver".into())
     }
 
     fn description(&self) -> Description {
@@ -141,4 +146,11 @@ fn a_start_value_outside_its_limits_is_refused() {
         let message = describe(Probe { start, ..PROBE }).err().unwrap();
         assert!(message.contains("start value p = "), "{message}");
     }
+}
+
+#[test]
+fn a_description_needs_no_solver_and_an_instance_does() {
+    let (_, _, Document { guid, .. }) = load::<Probe>(&Resources::default(), Version::Fmi2).unwrap();
+    let message = load_described::<Probe>(None, &guid, Version::Fmi2).err().unwrap();
+    assert_eq!(message, "there is no solver");
 }
