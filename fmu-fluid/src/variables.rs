@@ -6,9 +6,10 @@
 use std::slice::from_mut;
 
 use fluid::{Fluid, Force, Pose, Space, Stations};
+use scene::{Load, Surface};
 
 use super::FluidUnit;
-use super::flow::Dimensions;
+use super::flow::{Dimensions, Flow, FlowIn};
 
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
@@ -21,7 +22,10 @@ const VELOCITIES: [&str; 3] = ["u", "v", "w"];
 
 /// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
-    if unit.flow.cells().len() == 2 { List::<2>::of(unit) } else { List::<3>::of(unit) }
+    match &unit.flow {
+        Flow::Plane(flow) => List::of(unit, flow),
+        Flow::Space(flow) => List::of(unit, flow),
+    }
 }
 
 /// The list for D dimensions.
@@ -56,13 +60,20 @@ impl Names {
     }
 }
 
-/// Return the fluid of a unit, whose list is that of its dimensions.
+/// Return inputs and solver of a unit, whose list is that of its dimensions.
+fn flow<const D: usize>(unit: &mut FluidUnit) -> &mut FlowIn<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    <[f64; D]>::of(&mut unit.flow)
+}
+
+/// Return the solver of a unit.
 fn fluid<const D: usize>(unit: &mut FluidUnit) -> &mut Fluid<D>
 where
     [f64; D]: Dimensions<D>,
 {
-    let flow: &mut dyn std::any::Any = &mut *unit.flow;
-    flow.downcast_mut().expect("the list is that of the dimensions of the fluid")
+    flow(unit).solver_mut()
 }
 
 /// Return the unit of a quantity, in the plane per metre of depth.
@@ -83,12 +94,10 @@ impl<const D: usize> List<D>
 where
     [f64; D]: Dimensions<D>,
 {
-    fn of(unit: &FluidUnit) -> Vec<Variable> {
+    fn of(unit: &FluidUnit, FlowIn { stations, .. }: &FlowIn<D>) -> Vec<Variable> {
         let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
         let (cylinders, bodies) = (part.cylinders.len(), part.bodies.len());
-        let flow: &dyn std::any::Any = &*unit.flow;
-        let fluid: &Fluid<D> = flow.downcast_ref().expect("the list is that of the dimensions of the fluid");
-        let names: Vec<_> = (0..fluid.stations().len()).map(|k| Names::of(unit, k)).collect();
+        let names: Vec<_> = (0..stations.len()).map(|k| Names::of(unit, k)).collect();
         let mut list = Self(Vec::new());
         list.parameters();
         list.totals();
@@ -118,10 +127,10 @@ where
             list.probe(&probe.name, &probe.position, k);
         }
         for (k, names) in names.iter().enumerate() {
-            let is_line = !fluid.shear()[k].is_empty();
-            let (loads, pressure) = (!fluid.loads().is_empty(), unit.scene.axial_pressure_strain());
-            let parts = Parts { is_line, loads, pressure };
-            list.stations(names, k, fluid.stations()[k].len(), &parts);
+            let is_line = D == 2 && unit.scene.beams().nth(k).is_some_and(|beam| beam.surface == Surface::Line);
+            let loads = unit.scene.load().is_none_or(|load| load == Load::Momentum);
+            let parts = Parts { is_line, loads, pressure: unit.scene.axial_pressure_strain() };
+            list.stations(names, k, stations[k].len(), &parts);
         }
         list.0
     }
@@ -239,7 +248,7 @@ where
         let mut input = |part: String, unit: &str, what: String, of: Component<D>| {
             let text = format!("{what} of {body} at the end of the step");
             self.0.push(Real::input(format!("{name}motion.{part}"), unit, text, move |m: &mut FluidUnit| {
-                from_mut(of.of(fluid::<D>(m).displacement_mut(k)))
+                from_mut(of.of(&mut flow::<D>(m).displacements[k]))
             }));
         };
         for (axis, along) in AXES.into_iter().enumerate().take(D) {
@@ -316,7 +325,7 @@ where
             for (axis, along) in AXES.into_iter().enumerate().take(D) {
                 let text = format!("{what} of the {stations} at the end of the step");
                 let variable = Real::input(format!("{prefix}{name}{along}"), unit, text, move |m| {
-                    &mut of(&mut fluid::<D>(m).stations_mut()[k])[axis]
+                    &mut of(&mut flow::<D>(m).stations[k])[axis]
                 });
                 self.0.push(variable.array(n));
             }
