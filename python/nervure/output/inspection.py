@@ -46,6 +46,7 @@ FLAGS = {
 }
 """Flags of a co-simulation unit that fmpy reads (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section 4.4.1)."""
 
+TIMED = 0.1  # Wall time of the first steps, s
 PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # Parts that a fluid may have
 
 
@@ -119,13 +120,12 @@ def show_scene(console: Console, scene: Scene) -> None:
 
 
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield scheme, table, memory and wall time of a scene, by name, from steps for half a second."""
-    importlib.import_module("nervure.output.plots")  # A run loads it, and its memory counts
+    """Yield scheme, table, memory and wall time of a scene, by name, from its first steps."""
     before = forecast.resident_memory()
     with Session(scene) as session:
         pace = forecast.Pace(session)
         session.observers = [pace]
-        status = session.run(stopping=lambda: pace.whole is not None and session.wall > forecast.TIMED)
+        status = session.run(stopping=lambda: pace.whole is not None and session.wall > TIMED)
         if status.error is not None:
             raise UnitError(status.error)
         whole = status.wall if status.completed or pace.whole is None else pace.whole

@@ -23,7 +23,6 @@ from nervure.output.fields import station_positions, wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import Scales
 from nervure.scene.types import Reference
-from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import TIP
@@ -294,18 +293,6 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: 
         )
     figure.suptitle(f"{title(run.scene, 11)}\n{said}", fontsize="medium")
     return figure
-
-
-class Pictures(Observer):
-    """Draws the pictures of a session when its results are written."""
-
-    def __init__(self, session: Session):
-        self.session = session
-
-    def finish(self, results: Results) -> None:
-        write(results.folder, [results])
-        if results.summary.error is None and (figure := vorticity(self.session)):
-            save(figure, results.folder / "vorticity.png")
 
 
 def vorticity(session: Session) -> Figure | None:

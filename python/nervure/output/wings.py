@@ -13,8 +13,6 @@ from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots
 from nervure.output.fields import wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import WingMesh
-from nervure.simulation.loop import Observer
-from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 
 FLAT = 0.15  # Least extent of the axes, relative to the largest
@@ -118,16 +116,6 @@ def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
     picture.said.set_text(", ".join(parts))
     folder.mkdir(parents=True, exist_ok=True)
     return plots.save(picture.figure, folder / "mesh.png")
-
-
-class Shape(Observer):
-    """Draws wing.png, the shape of the wing of a session when its results are written."""
-
-    def __init__(self, session: Session, mesh: WingMesh):
-        self.session, self.mesh = session, mesh
-
-    def finish(self, results: Results) -> None:
-        plots.save(draw(self.session, self.mesh), results.folder / "wing.png")
 
 
 def draw(session: Session, mesh: WingMesh) -> Figure:

@@ -3,11 +3,9 @@
 A field with the default None is left out of the file where it is None.
 """
 
-import platform
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -20,7 +18,7 @@ from nervure.evaluate.bodies import BodyCoefficients
 from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
-from nervure.provenance import Machine, Revision, git_revision, machine
+from nervure.provenance import Machine, Revision, git_revision, machine, versions
 from nervure.scene import Scene
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
@@ -376,7 +374,7 @@ def summarize(
         phases_s=inside | {"exchange_and_python": status.wall - sum(inside.values())},
         units={kind: UnitInfo(d.modelName, d.version, d.generationTool, d.guid) for kind, d in about.items()},
         series=recorder.units,
-        versions={"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")},
+        versions=versions(),
         git=git_revision(),
         machine=machine(),
         warnings=[*facts.warnings, *warnings, *_imbalances(series, facts)] or None,
