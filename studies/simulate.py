@@ -110,7 +110,7 @@ def unit_of(quantity: str) -> str:
     return {"tip_ux": "m", "tip_uy": "m", "drag": "N/m", "lift": "N/m", "dp_mean": "Pa"}.get(name, "")
 
 
-class Rigid(coupling.Single):
+class Rigid(coupling.SingleUnit):
     """A fluid whose stations are those of a rigid rod along x, pitching about the origin."""
 
     def __init__(self, fluid: Unit, scene: dict[str, Any]):

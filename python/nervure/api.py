@@ -179,7 +179,7 @@ class RunError(Exception):
 
 
 def inspect(scene: Scene | str | Path) -> None:
-    """Print what `nervure inspect` prints of a scene, an object or a name; it makes steps for half a second. Raise
+    """Print what `nervure inspect` prints of a scene, an object or a name; it makes some steps. Raise
     `InputError` where the scene cannot be used."""
     from nervure.output import console, inspection
 

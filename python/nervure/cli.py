@@ -432,8 +432,8 @@ def sweep(
     if list_runs:
         for case in cases:
             row = sweeps.earlier_row(case, folder)
-            told = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
-            console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
+            state = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
+            console.print(f"{case.folder}: {state}", markup=False, soft_wrap=True)
         return
     try:
         rows = api.run_cases(console, cases, todo, folder, scheduler=scheduler, workers=workers, force=force)

@@ -66,7 +66,7 @@ def _path(kind: str) -> Path:
 
 
 def is_built(kind: str) -> bool:
-    """Whether there is a library of unit `kind`."""
+    """Return whether there is a library of unit `kind`."""
     return _path(kind).is_file()
 
 
@@ -134,8 +134,8 @@ def describe(kind: str, text: str, version: int = 2) -> str:
     function.argtypes = [ctypes.c_char_p, *BUFFER]
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
-        refused, said = _written(partial(function, os.fsencode(resources)))
+        refused, answer = _written(partial(function, os.fsencode(resources)))
     if refused:
         faults = check(text)
-        raise SceneError("\n".join(fault.text for fault in faults) or said, faults)
-    return said
+        raise SceneError("\n".join(fault.text for fault in faults) or answer, faults)
+    return answer

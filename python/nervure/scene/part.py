@@ -58,10 +58,10 @@ def refusal(error: ValidationError) -> TypeFault:
         return TypeFault(": ".join(filter(None, [f"unknown key `{key}`", near])))
     if found["type"] == "missing":
         return TypeFault(f"the key `{key}` is missing")
-    said = found["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    said = re.sub(r"a valid dictionary or instance of \w+", "an object", said)
+    reason = found["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    reason = re.sub(r"a valid dictionary or instance of \w+", "an object", reason)
     short = shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}…"
-    return TypeFault(f"`{key}` is {short}, but {said}")
+    return TypeFault(f"`{key}` is {short}, but {reason}")
 
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class Part(BaseModel, metaclass=_Checked):
         return ((name, getattr(self, name)) for name in type(self).model_fields if name in self.model_fields_set)
 
     def document(self) -> dict[str, Any]:
-        """What was given, as JSON has it, without defaults: a file stays as short as its author wrote it."""
+        """Return what was given, as JSON has it, without defaults: a file stays as short as its author wrote it."""
         return {
             field.alias or name: plain(getattr(self, name))
             for name, field in type(self).model_fields.items()

@@ -12,6 +12,7 @@ from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
+from nervure.scene.solids import cell_lengths
 from nervure.simulation import results
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
@@ -85,15 +86,14 @@ class Session(TimeLoop):
         """Give the guards the numbers from which they compute advice."""
         if (fluid := self.scene.fluid) is None or not self.scheme.guards:
             return
-        box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
-        ends = (end for end in (box.x, box.y, box.z) if end)
-        cell = tuple((high - low) / count for (low, high), count in zip(ends, box.cells, strict=True))
+        cell, stepping, (mask,) = cell_lengths(fluid), fluid.time_stepping, fluid.mask.document().values()
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]
         if self.scene.wing:
             bodies = [(max(cell), True)]
-        numbers, cfl = (tuple(box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step), self.facts.numbers
+        numbers = tuple(fluid.box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step
+        cfl = self.facts.numbers
         for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):
             guard.limits = Limits(*numbers, thickness, line, self.facts.fluid_steps, (cfl and cfl.cfl) or 0.0)
 

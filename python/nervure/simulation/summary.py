@@ -239,20 +239,20 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
 
 
 def _forces(series: Series) -> np.ndarray | None:
-    """Drag, lift and in space side, `[axes, samples]`; None without a fluid."""
+    """Return drag, lift and in space side, `[axes, samples]`; None without a fluid."""
     found = [series[name] for name in FORCES if name in series]
     return np.array(found) if len(found) > 1 else None
 
 
 def _along(time: np.ndarray, path: np.ndarray) -> np.ndarray:
-    """The component of a path along its principal direction."""
+    """Return the component of a path along its principal direction."""
     component: np.ndarray = statistics.principal_direction(time, path) @ path
     return component
 
 
 def _motion(series: Series, mounted: bool = False) -> np.ndarray | None:
-    """The prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle. With
-    `mounted` that of a body on springs, whose velocity is recorded too."""
+    """Return the prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle. With
+    `mounted` it is that of a body on springs, whose velocity is recorded too."""
     moving: dict[str, list[str]] = {}
     tail = statistics.last_third(series["time"]).of(series["time"])
     for column in series:
@@ -318,7 +318,7 @@ def summarize(
     status: RunStatus,
     warnings: Sequence[str] = (),
 ) -> Summary:
-    """Evaluate a run, of which `warnings` were told."""
+    """Evaluate a run that gave `warnings`."""
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
     rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
