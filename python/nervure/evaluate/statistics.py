@@ -188,9 +188,9 @@ class Character:
     def remark(self) -> str:
         """Return the remark of a table, empty for a periodic or a steady signal."""
         words = {"changing": "still changes", "irregular": "not periodic", "rounding": "rounding only"}
-        said = f"drifts {self.drift:+.0%}" if self.state == "drifting" and self.drift else words.get(self.state, "")
+        kind = f"drifts {self.drift:+.0%}" if self.state == "drifting" and self.drift else words.get(self.state, "")
         noisy = f"noise {self.noise:.0%}" if self.noise and self.noise > NOISY and self.state != "rounding" else ""
-        return ", ".join(filter(None, (said, noisy)))
+        return ", ".join(filter(None, (kind, noisy)))
 
 
 def folded(time: np.ndarray, values: np.ndarray, window: Window, samples: int = 256) -> np.ndarray:
@@ -287,8 +287,8 @@ def _harmonics(time: np.ndarray, values: np.ndarray, window: Window, iterations:
     one_period = np.outer(np.linspace(0, 2 * np.pi, 2000, endpoint=False), order)
     curve = constant + np.cos(one_period) @ cosines + np.sin(one_period) @ sines
     strongest = order[np.argmax(cosines**2 + sines**2)]
-    rest, whole = (float(np.var(signal)) for signal in (y - matrix @ solution, y))
-    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi))), 1 - rest / whole if whole else 0.0
+    rest, total = (float(np.var(signal)) for signal in (y - matrix @ solution, y))
+    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi))), 1 - rest / total if total else 0.0
 
 
 def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from nervure.evaluate import benchmark
 from nervure.scene import Scene, beams
 from nervure.scene.facts import Facts
+from nervure.scene.solids import box_ends
 from nervure.scene.types import Display
 from nervure.terminal import legible
 
@@ -50,8 +51,7 @@ def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
 def _size(scene: Scene) -> float:
     """Return the shortest side of the box, without a fluid the length of the longest rod or of the wing, m."""
     if scene.fluid:
-        box = scene.fluid.box
-        return min(high - low for low, high in filter(None, (box.x, box.y, box.z)))
+        return min(high - low for low, high in box_ends(scene.fluid))
     mesh = Facts(scene).wing if scene.wing else None
     wing = [float(np.ptp(mesh.nodes, axis=0).max())] if mesh else []
     return max([*wing, *(own.beam.length for own in beams(scene))], default=0.0)

@@ -51,7 +51,7 @@ class NotebookDisplay:
 
 
 def shown_columns(session: Session) -> tuple[str, ...]:
-    """Return the columns of the series that tell best how a run goes."""
+    """Return the columns of the series that show best how a run goes."""
     return next((names for names in SHOWN if names[0] in session.recorder.columns), ())
 
 
@@ -95,8 +95,8 @@ class Terminal(Observer):
         self.warned = len(self.session.warnings)
         if self.pace:
             self.pace.see(loop.steps, wall)
-            if self.pace.whole is not None and self.pace.timed >= forecast.TIMED:
-                self.console.print(f"forecast: {forecast.cost(self.pace.whole)}", soft_wrap=True)
+            if self.pace.total is not None and self.pace.timed >= forecast.TIMED:
+                self.console.print(f"forecast: {forecast.cost(self.pace.total)}", soft_wrap=True)
                 self.pace = None
         if wall >= self.due and loop.time > 0.0:
             self.due = wall + self.interval

@@ -111,7 +111,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         if work and work.imbalance is not None:
             console.print(
                 f"interface: work on the rod {name}{work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
-                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J{_told(work.imbalance)}",
+                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J{_judge(work.imbalance)}",
                 soft_wrap=True,
             )
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
@@ -119,7 +119,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     console.print(f"{reached} in {summary.wall_s:.1f} s of wall time ({phases})", soft_wrap=True)
 
 
-def _told(imbalance: float) -> str:
+def _judge(imbalance: float) -> str:
     return f"; more than {WARN_RATIO:.0%} is too much" if abs(imbalance) > WARN_RATIO else ""
 
 

@@ -13,8 +13,6 @@ from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots
 from nervure.output.fields import wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import WingMesh
-from nervure.simulation.loop import Observer
-from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 
 FLAT = 0.15  # Least extent of the axes, relative to the largest
@@ -60,7 +58,7 @@ class WingPicture:
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
         self.root = self._line(ROOT, "0.15")
         self.figure.suptitle(title(scene, width - 2.0), fontsize="small", x=0.02, ha="left")
-        self.said = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
+        self.caption = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
         self.clock = displayed_unit("s", scene.display)[0]
 
     def _line(self, width: float, colour: str) -> Line3D:
@@ -115,19 +113,9 @@ def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
         parts.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}")
         squares = [Patch(color=TINTS[i % len(TINTS)], label=region.name) for i, region in enumerate(regions)]
         picture.figure.legend(handles=squares, loc="lower left", fontsize="small", frameon=False)
-    picture.said.set_text(", ".join(parts))
+    picture.caption.set_text(", ".join(parts))
     folder.mkdir(parents=True, exist_ok=True)
     return plots.save(picture.figure, folder / "mesh.png")
-
-
-class Shape(Observer):
-    """Draws wing.png, the shape of the wing of a session when its results are written."""
-
-    def __init__(self, session: Session, mesh: WingMesh):
-        self.session, self.mesh = session, mesh
-
-    def finish(self, results: Results) -> None:
-        plots.save(draw(self.session, self.mesh), results.folder / "wing.png")
 
 
 def draw(session: Session, mesh: WingMesh) -> Figure:
@@ -135,5 +123,5 @@ def draw(session: Session, mesh: WingMesh) -> Figure:
     points = wing_nodes(session.units["wing"])
     picture = WingPicture(session.scene, mesh, points[None], NOWHERE, plots.WIDTH)
     picture.show(points)
-    picture.said.set_text(f"t = {session.time:.3f} {picture.clock}")
+    picture.caption.set_text(f"t = {session.time:.3f} {picture.clock}")
     return picture.figure

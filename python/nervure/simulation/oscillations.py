@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from nervure.coupling.guards import below
+from nervure.scene.solids import cell_lengths
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import TimeGrid
 from nervure.units.fmu import Unit
@@ -44,11 +45,9 @@ class GridOscillationMonitor:
         return again
 
     def _found(self, time: float) -> Iterator[tuple[str, str]]:
-        vorticity, box = _plane(self.fluid, "vorticity"), self.flow.box
+        vorticity, cells = _plane(self.fluid, "vorticity"), cell_lengths(self.flow)
         if not vorticity.any():
             return
-        ends = (own for own in (box.x, box.y, box.z) if own)
-        cells = [(high - low) / n for (low, high), n in zip(ends, box.cells, strict=True)]
         speeds = [float(np.abs(_plane(self.fluid, name)).max(initial=0.0)) for name in "uvw"[: len(cells)]]
         rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True)) or np.finfo(float).tiny
         step = min(self.longest, self.flow.time_stepping.max_cfl / rate)
