@@ -12,7 +12,7 @@ from PIL import Image
 import nervure
 from nervure.errors import InputError
 from nervure.evaluate import benchmark, statistics
-from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
+from nervure.output import animation, console, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
 from nervure.scene import validate
 from nervure.scene.facts import Facts
 from nervure.scene.types import PublishedQuantity, Reference
@@ -89,8 +89,12 @@ def check_bar(figure, name):
     assert outline.y0 == pytest.approx(low, abs=1) and outline.y1 == pytest.approx(high, abs=1), name
 
 
-def test_pictures_of_a_run(figures, pitching, tmp_path):
-    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05, quiet=True)
+def test_pictures_of_a_run(figures, pitching, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(console, "FILE_INTERVAL", 0.5)
+    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05)
+    shown = capsys.readouterr().out
+    told = [words in shown for words in ("left, tip_ux", "tip_uy mean [chords]", "phase lag [deg]", " mm")]
+    assert told == [True, True, True, False], shown
     run.animate()
     assert {"tip.png", "drag.png", "lift.png", "flapping.png", "vorticity.png", "phases.png"} == figures.keys()
     for name, figure in figures.items():
@@ -207,6 +211,17 @@ def test_a_solid_covers_the_field_inside_it(small_fsi3):
     left, right, bottom, top = flow.View(scene).extent
     box = axes[0, 0].get_window_extent()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom)), "true proportions"
+
+
+def test_a_cylinder_that_moves_is_drawn_in_its_place(fluid_only, tmp_path):
+    law = {"sine": {"amplitude": 0.1, "frequency": 10.0}}
+    fluid_only["fluid"]["cylinders"] = [{"center": [0.0, -0.1], "radius": 0.15, "motion": {"y": law}}]
+    run = nervure.run(validate(fluid_only), tmp_path, fields_every=0.01, quiet=True)
+    frames = animation.Frames(run.folder)
+    for frame, time in enumerate(frames.times):
+        (outline,) = frames.solids(frame)
+        place, expected = outline.mean(axis=0), (0.0, -0.1 + 0.1 * np.sin(2 * np.pi * 10 * time))
+        assert place == pytest.approx(expected, abs=1e-9), (time, place, expected)
 
 
 def test_between_grid_points_the_fourier_series_is_averaged_over_two_cells():

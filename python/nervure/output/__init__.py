@@ -35,6 +35,8 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
         "s": display.time,
         "1/s": f"1/{display.time}",
         "m/s": f"{display.length}/{display.time}",
+        "rad": "rad",
+        "deg": "deg",
     }
     return own.get(unit or "", ""), 1.0
 

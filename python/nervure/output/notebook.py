@@ -89,7 +89,7 @@ def html(run: Results) -> str:
     per_time = f"1/{display.time}" if display else "Hz"
     rows = [("quantity", "unit", "mean", "amplitude", f"frequency [{per_time}]")]
     for name, found in summary.quantities.items():
-        unit, scale = displayed_unit(found.unit, display)
+        unit, scale = unit_in(run.scene, found.unit, abs(found.mean) + found.amplitude)
         frequency = f"{found.frequency_hz:.4g}" if found.frequency_hz else "–"
         rows.append((name, unit, f"{found.mean * scale:.4g}", f"{found.amplitude * scale:.4g}", frequency))
     kinds = ("th", *["td"] * (len(rows) - 1))

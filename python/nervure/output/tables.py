@@ -10,7 +10,8 @@ from rich.table import Column, Table
 from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate.bodies import ReferenceScales
 from nervure.evaluate.statistics import NOISY, Character
-from nervure.output import axis_label, displayed_unit
+from nervure.output import axis_label, displayed_unit, unit_in
+from nervure.scene import Scene
 from nervure.scene.types import Display
 from nervure.simulation.summary import Published, Quantity, Summary
 
@@ -45,8 +46,9 @@ def _remark(quantity: Quantity) -> str:
     return Character(quantity.state, quantity.drift, quantity.noise).remark()
 
 
-def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:
-    """Print quantities, published values, window and cost of a run; `display` is the key of its scene."""
+def print_table(console: Console, summary: Summary, scene: Scene) -> None:
+    """Print quantities, published values, window and cost of a run of `scene`, in the units of its pictures."""
+    display = scene.display
     known = summary.coefficients is not None and bool(summary.coefficients.reference)
     known |= any(quantity.reference is not None for quantity in summary.quantities.values())
     compared = known and summary.not_compared is None
@@ -70,7 +72,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         table.add_row(escape(label), *cells[: len(shown)], *([escape(remark)] if noted else []))
 
     for name, quantity in summary.quantities.items():
-        unit, scale = displayed_unit(quantity.unit, display)
+        unit, scale = unit_in(scene, quantity.unit, abs(quantity.mean) + quantity.amplitude)
         published = quantity.reference or Published()
         mean = axis_label(f"{name} mean", unit)
         row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remark=remarks[name])
@@ -88,7 +90,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
             value = getattr(flapping, field.name)
             if isinstance(value, float):
                 label, unit = FLAPPING[field.name]
-                unit, scale = displayed_unit(unit.removesuffix("/m") if space else unit, display)
+                unit, scale = unit_in(scene, unit.removesuffix("/m") if space else unit, abs(value))
                 row(axis_label(name + label, unit), value, None, 4, scale)
     console.print(table)
     if any(quantity.noise and quantity.noise > NOISY for quantity in summary.quantities.values()):
