@@ -194,6 +194,15 @@ def test_a_drive_leaves_its_first_period_out():
     assert (window.begin, window.end) == pytest.approx((0.1 + period, TIME[-1])), window
 
 
+def test_of_two_periods_of_a_drive_the_last_is_the_window():
+    """Also where the drive rises through its mean early in the first third, as the stroke of `wing-hover` does."""
+    for start in (0.05, 0.25, 0.6):
+        drive = np.sin(4 * np.pi * (TIME / TIME[-1] - start / 2)) * np.minimum(4 * TIME / TIME[-1], 1)
+        window = statistics.driven_window(TIME, drive + 0.01, drive)
+        assert (window.periods, window.driven) == (1, True), (start, window)
+        assert (window.begin, window.end) == pytest.approx((TIME[-1] / 2, TIME[-1]), rel=1e-3), (start, window)
+
+
 @pytest.mark.parametrize("driven", [True, False])
 def test_the_force_on_a_driven_body_is_that_of_the_harmonics_of_the_drive(driven):
     """0.055 at 1 Hz, under noise of 0.03 at 37.3 Hz."""
