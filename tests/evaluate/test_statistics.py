@@ -166,6 +166,7 @@ def test_the_box_filter_keeps_straight_lines_and_weakens_a_sine_by_its_sinc():
 def test_the_force_filter_is_narrow_against_a_period():
     assert statistics.force_filter_width(statistics.Window(0, 10, 5)) == 5e-3
     assert statistics.force_filter_width(statistics.Window(0, 0.5, 5)) == pytest.approx(2e-3)
+    assert statistics.force_filter_width(statistics.Window(4e-3, 6e-3, 0)) == pytest.approx(4e-5)
 
 
 def test_an_oscillation_that_ended_long_ago_is_no_part_of_the_window():

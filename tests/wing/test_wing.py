@@ -101,6 +101,16 @@ def test_no_label_of_its_axes_lies_on_another(run, sizes, width):
         assert not one.get_window_extent().overlaps(other.get_window_extent()), (one.get_text(), other.get_text())
 
 
+def test_a_wing_wider_than_the_square_of_its_axes_is_drawn_whole(run):
+    nodes = run.facts.wing.nodes
+    picture = WingPicture(run.scene, run.facts.wing, nodes[None], nodes, 9.0)
+    picture.add(nodes)
+    picture.draw_path(nodes)
+    picture.show(nodes)
+    drawn = [*picture.axes.collections, *picture.axes.lines]
+    assert len(drawn) == 9 and not any(artist.get_clip_on() for artist in drawn), drawn
+
+
 def test_the_command_animates_and_inspects_it(run, tmp_path):
     done = command("animate", run.folder)
     assert done.returncode == 0 and {"motion.png", "motion.gif"} <= {path.name for path in run.folder.iterdir()}

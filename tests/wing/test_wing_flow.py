@@ -140,5 +140,6 @@ def test_a_driven_wing_has_the_table_of_a_flapping_rod(tmp_path):
     assert {"section_twist", "section_camber", "side"} <= done.summary.quantities.keys()
     with (console := Console(width=200)).capture() as shown:
         print_table(console, done.summary, done.scene)
-    for part in ("side mean [N]", "thrust, cycle mean [N]", "section_twist", "A 1 m², drag along x, lift along z"):
+    parts = "side mean [N]", "thrust, cycle mean [N]", "section_twist", "work on the wing"
+    for part in (*parts, "A 1 m², drag along x, lift along z"):
         assert part in shown.get(), shown.get()

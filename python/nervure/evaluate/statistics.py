@@ -308,7 +308,5 @@ def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray
 
 
 def force_filter_width(window: Window) -> float:
-    """Return the width of the box filter over forces, s."""
-    if window.periods == 0:
-        return FORCE_FILTER
-    return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / window.periods)
+    """Return the width of the box filter over forces, s; without periods the window counts as one."""
+    return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / max(window.periods, 1))

@@ -30,7 +30,7 @@ TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, i
 
 class WingPicture:
     """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
-    its tip, `[times, 3]`, m."""
+    its tip, `[times, 3]`, m. What is drawn may be wider than their square."""
 
     def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, path: np.ndarray, width: float):
         everything = np.concatenate([points.reshape(-1, 3), path])
@@ -55,7 +55,7 @@ class WingPicture:
         self.axes.set_proj_type("ortho")
         self.axes.set_box_aspect(half, zoom=0.88 if is_tall else 1.25)
         self.axes.view_init(elev=ABOVE, azim=ASIDE)
-        self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1)
+        self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1, clip_on=False)
         self.axes.add_collection3d(self.skin, autolim=False)
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
         self.root = self._line(ROOT, "0.15")
@@ -64,7 +64,7 @@ class WingPicture:
         self.clock = displayed_unit("s", scene.display)[0]
 
     def _line(self, width: float, colour: str) -> Line3D:
-        line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2)[0]
+        line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2, clip_on=False)[0]
         return line
 
     def show(self, points: np.ndarray) -> None:
@@ -80,12 +80,14 @@ class WingPicture:
     def add(self, points: np.ndarray) -> None:
         """Add a shape in a light tone behind the shape that is shown."""
         corners = self.scale * points[self.mesh.triangles]
-        skin = Poly3DCollection(corners, facecolors=shades(corners), alpha=0.25, linewidths=0.0, zorder=0)
+        look: dict[str, Any] = {"alpha": 0.25, "linewidths": 0.0, "zorder": 0, "clip_on": False}
+        skin = Poly3DCollection(corners, facecolors=shades(corners), **look)
         self.axes.add_collection3d(skin, autolim=False)
 
     def draw_path(self, path: np.ndarray) -> None:
         """Draw the path of the tip, `[times, 3]`, m."""
-        self.axes.plot(*(self.scale * path.T), color="0.6", linewidth=0.8, zorder=0, scalex=False, scaley=False)
+        look: dict[str, Any] = {"color": "0.6", "linewidth": 0.8, "zorder": 0, "clip_on": False}
+        self.axes.plot(*(self.scale * path.T), scalex=False, scaley=False, **look)
 
 
 def shades(corners: np.ndarray) -> np.ndarray:
