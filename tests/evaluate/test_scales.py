@@ -224,7 +224,7 @@ def test_a_stream_that_swings_past_a_body_at_rest_sets_its_drag(axis):
     own["fluid"]["mean_flow"] = {axis: {"sine": {"amplitude": 1.0, "frequency": 2.0, "ramp": 0.25}}}
     own["fluid"]["initial_velocity"] = [0.0, 0.0, 0.0]
     found = Facts(validate(own))
-    assert found.stream is None and found.scales["body_1"].drag == [float(a == axis) for a in "xyz"]
+    assert found.stream is None and found.scales["body_1"].drag == tuple(float(a == axis) for a in "xyz")
 
 
 def test_a_wing_has_re_reduced_frequency_mass_ratio_and_lift_along_its_normal():

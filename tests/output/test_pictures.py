@@ -12,10 +12,22 @@ from PIL import Image
 import nervure
 from nervure.errors import InputError
 from nervure.evaluate import benchmark, statistics
-from nervure.output import animation, console, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
+from nervure.output import (
+    animation,
+    console,
+    displayed_unit,
+    flow,
+    in_words,
+    layout,
+    lengths_in,
+    plots,
+    sweeps,
+    title,
+    unit_in,
+)
 from nervure.scene import validate
 from nervure.scene.facts import Facts
-from nervure.scene.types import PublishedQuantity, Reference
+from nervure.scene.types import Display, PublishedQuantity, Reference
 from nervure.simulation.sweep import FINISHED
 from studies import limits
 from tests.conftest import nervure as command
@@ -166,6 +178,12 @@ def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
     )
     assert title(finer, 9) == title(shipped, 9) and benchmark.reference(finer) == shipped.reference is not None
     assert title(other, 9) == "my flag" and benchmark.reference(other) is None
+
+
+def test_a_unit_of_time_with_a_stroke_has_brackets():
+    display = Display(length="flag lengths", time="L/U")
+    found = [displayed_unit(unit, display)[0] for unit in ("s", "1/s", "m/s", "rad", "N")]
+    assert found == ["L/U", "1/(L/U)", "flag lengths/(L/U)", "rad", ""], found
 
 
 def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):

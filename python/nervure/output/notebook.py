@@ -86,7 +86,7 @@ def html(run: Results) -> str:
     clock = displayed_unit("s", display)[0]
     how = "" if summary.completed else f", {summary.error or 'interrupted'}"
     told = f"{run.scene.name}, {summary.steps} steps to t = {summary.simulated_s:g} {clock}{how}"
-    per_time = f"1/{display.time}" if display else "Hz"
+    per_time = displayed_unit("1/s", display)[0] if display else "Hz"
     rows = [("quantity", "unit", "mean", "amplitude", f"frequency [{per_time}]")]
     for name, found in summary.quantities.items():
         unit, scale = unit_in(run.scene, found.unit, abs(found.mean) + found.amplitude)

@@ -77,7 +77,7 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
         mean = axis_label(f"{name} mean", unit)
         row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remark=remarks[name])
         row(axis_label(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
-        per_time = f"1/{display.time}" if display else "Hz"
+        per_time = displayed_unit("1/s", display)[0] if display else "Hz"
         row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
     if found := summary.coefficients:
         for name, value in found.values.items():

@@ -23,6 +23,11 @@ DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
 ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
 VEIN, ROOT, MESH = 1.2, 2.4, 0.15  # Widths of lines
 LABEL = 8.0  # Distance of the label of an axis, points
+TALL = 0.83  # Height of a tall box in its axes, by that of a box of matplotlib's own size
+SIN, COS = np.sin(np.radians([ABOVE, ASIDE])), np.cos(np.radians([ABOVE, ASIDE]))
+UP = np.array([SIN[0] * COS[1], -SIN[0] * SIN[1], COS[0]])  # Parts of x, y and z in the height of a box
+SLIM = 0.6  # Least slimness at which labels of z have wider distances
+PADS = ((3.5, 8.0), (LABEL, 21.0))  # Distances of ticks and label, and what matplotlib adds to them, points
 CORNER, MEETING = 0.06, ((0, 1), (1, 1), (1, 0))  # Room without ticks where axes meet, and at which ends of x, y, z
 NOWHERE = np.empty((0, 3))
 TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, in turn
@@ -40,7 +45,8 @@ class WingPicture:
         self.mesh = mesh
         is_tall = bool(half[2] > half.max() / 2)
         self.figure = Figure(figsize=(width, (0.95 if is_tall else 0.62) * width))
-        place: Any = self.figure.add_axes((0.02, 0.0, 0.96, 0.92), projection="3d", computed_zorder=False)
+        bottom = 0.05 if is_tall else 0.0
+        place: Any = self.figure.add_axes((0.02, bottom, 0.96, 0.92 - bottom), projection="3d", computed_zorder=False)
         self.axes = place
         for i, axis in enumerate("xyz"):
             ends = self.scale * ((low + high) / 2 + np.array([[-1], [1]]) * half)[:, i]
@@ -53,7 +59,10 @@ class WingPicture:
             getattr(self.axes, f"set_{axis}ticks")(kept)
         self.axes.tick_params(labelsize="small")
         self.axes.set_proj_type("ortho")
-        self.axes.set_box_aspect(half, zoom=0.88 if is_tall else 1.25)
+        self.axes.set_box_aspect(half, zoom=TALL * np.linalg.norm(half) / (UP @ half) if is_tall else 1.25)
+        slim = max(1.0, SLIM * half.max() / np.hypot(*half[:2]))  # Labels of z go outwards by parts of x and y
+        pad, self.axes.zaxis.labelpad = (slim * (own + more) - more for own, more in PADS)
+        self.axes.tick_params(axis="z", pad=pad)
         self.axes.view_init(elev=ABOVE, azim=ASIDE)
         self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1, clip_on=False)
         self.axes.add_collection3d(self.skin, autolim=False)
