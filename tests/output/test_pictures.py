@@ -170,7 +170,7 @@ def test_a_sweep_shows_of_a_lift_what_is_larger(mean, shown):
     assert [name for name, *_ in found[:2]] == ["drag_mean", shown] and {unit for *_, unit in found} == {"N"}, found
 
 
-def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
+def test_a_changed_benchmark_has_neither_its_title_nor_its_values(periodic):
     shipped = nervure.load("flag-line-480x240")
     finer, other = (
         shipped.copy({"name": "my-flag", **changed})
@@ -178,6 +178,11 @@ def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
     )
     assert title(finer, 9) == title(shipped, 9) and benchmark.reference(finer) == shipped.reference is not None
     assert title(other, 9) == "my flag" and benchmark.reference(other) is None
+    time, make = periodic
+    run = make({"tip_uy": np.sin(2 * np.pi * time)})
+    for scene, bands in ((finer, 2), (other, 0)):
+        figure = nervure.Run(Facts(scene), run.folder, run.summary, run.series, run.units).plot("tip_uy")
+        assert sum(len(axis.collections) for axis in figure.axes) == bands, scene.name
 
 
 def test_a_unit_of_time_with_a_stroke_has_brackets():
