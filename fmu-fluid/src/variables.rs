@@ -105,9 +105,12 @@ where
             let all = if D == 3 || bodies > 0 || names.len() > 1 { "all bodies" } else { "all cylinders and the beam" };
             list.force("", all, |fluid, axis| fluid.force()[axis]);
         }
-        for k in 0..cylinders {
+        for (k, of) in part.cylinders.iter().enumerate() {
             let (name, body) = (format!("cylinder[{}].", k + 1), format!("cylinder {}", k + 1));
             list.force_and_moment(&name, &body, "its centre", move |fluid| fluid.force_on_body(k));
+            if of.motion.is_some() {
+                list.position(&name, &format!("the centre of {body}"), k);
+            }
         }
         for (k, of) in part.bodies.iter().enumerate() {
             let (name, body, k) = (format!("body[{}].", k + 1), format!("body {}", k + 1), cylinders + k);
@@ -220,14 +223,19 @@ where
         }
     }
 
+    /// Add the position of `point`, that of rigid body number `k`.
+    fn position(&mut self, name: &str, point: &str, k: usize) {
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Position of {point} along {along}");
+            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
+        }
+    }
+
     /// Add power, place and angle of rigid body number `k`.
     fn motion(&mut self, name: &str, body: &str, k: usize, follows_laws: bool) {
         let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
         self.output(format!("{name}power"), "W", power, move |fluid| fluid.power_on_body(k));
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text = format!("Position of the pivot of {body} along {along}");
-            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
-        }
+        self.position(name, &format!("the pivot of {body}"), k);
         let angle = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).angle)[about];
         if D == 2 {
             let text = format!("Angle from the x axis to that of {body}, positive to the left");

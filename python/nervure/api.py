@@ -114,9 +114,10 @@ class Run(results.Results):
         """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         self._require(names)
         _prepare_notebook()
+        from nervure.evaluate import benchmark
         from nervure.output import plots
 
-        return plots.over_time({self.scene.name: self}, names, self.scene.reference)
+        return plots.over_time({self.scene.name: self}, names, benchmark.reference(self.scene))
 
     def _require(self, names: Iterable[str]) -> None:
         """Raise `InputError` where one of `names` was not recorded."""

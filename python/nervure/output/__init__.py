@@ -31,11 +31,14 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
     in a scene's own scales, and forces and energies have no unit."""
     if display is None:
         return READ_IN.get(unit or "", (unit or "", 1.0))
+    time = f"({display.time})" if "/" in display.time else display.time
     own = {
         "m": display.length,
         "s": display.time,
-        "1/s": f"1/{display.time}",
-        "m/s": f"{display.length}/{display.time}",
+        "1/s": f"1/{time}",
+        "m/s": f"{display.length}/{time}",
+        "rad": "rad",
+        "deg": "deg",
     }
     return own.get(unit or "", ""), 1.0
 

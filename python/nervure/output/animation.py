@@ -76,11 +76,12 @@ class Frames:
         self.facts = Facts(scene)
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
-        self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
+        moves = scene.fluid and flow.poses(scene, str)
+        self.moves = self._moves(results.read(folder).series) if moves else []
         self.part = part
 
     def _moves(self, series: Series) -> list[np.ndarray]:
-        """Return the pose of each body at the times of the frames, `[frames, parts]`, m and rad (see `pose_names`)."""
+        """Return the place of each body at the times of the frames, `[frames, parts]`, m and rad (see `flow.poses`)."""
         found = flow.poses(self.scene, lambda name: np.interp(self.times, series["time"], series[column(name)]))
         return [np.transpose(parts) for parts in found]
 
@@ -160,7 +161,7 @@ class Frames:
         return np.array(self.wing["VTKHDF/Points"][frame * count : (frame + 1) * count]), mesh.triangles
 
     def poses(self, frame: int) -> list[list[float]]:
-        """Return the poses of the bodies."""
+        """Return the places of the bodies (see `flow.poses`)."""
         return [move[frame].tolist() for move in self.moves]
 
     @cached_property

@@ -151,7 +151,7 @@ def _unresolved(name: str, body: Body) -> Iterator[str]:
             wanted = f"forces within some per cent want {GOOD_CELLS}"
         yield f"{across} are few: {wanted}{line}"
     if not is_beam and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
-        layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
+        layer = f"the boundary layer at the front of {name} has {body.layer_cells:.3g} cells"
         yield f"{layer}; with less than {LAYER_CELLS:g} drag can be off by some per cent and lift by ten"
 
 

@@ -138,7 +138,7 @@ def show_results(console: Console, folder: Path) -> None:
         if not stopped:
             raise
     else:
-        print_table(console, summary, found.scene.display)
+        print_table(console, summary, found.scene)
         if not summary.completed:
             console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
         git = summary.git

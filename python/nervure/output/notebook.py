@@ -86,10 +86,10 @@ def html(run: Results) -> str:
     clock = displayed_unit("s", display)[0]
     how = "" if summary.completed else f", {summary.error or 'interrupted'}"
     caption = f"{run.scene.name}, {summary.steps} steps to t = {summary.simulated_s:g} {clock}{how}"
-    per_time = f"1/{display.time}" if display else "Hz"
+    per_time = displayed_unit("1/s", display)[0] if display else "Hz"
     rows = [("quantity", "unit", "mean", "amplitude", f"frequency [{per_time}]")]
     for name, found in summary.quantities.items():
-        unit, scale = displayed_unit(found.unit, display)
+        unit, scale = unit_in(run.scene, found.unit, abs(found.mean) + found.amplitude)
         frequency = f"{found.frequency_hz:.4g}" if found.frequency_hz else "–"
         rows.append((name, unit, f"{found.mean * scale:.4g}", f"{found.amplitude * scale:.4g}", frequency))
     kinds = ("th", *["td"] * (len(rows) - 1))

@@ -296,8 +296,8 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: 
 
 
 def vorticity(session: Session) -> Figure | None:
-    """Draw the fluid as it is now, with still cylinders, and with bodies and beams in their places; None if the fluid
-    shows no field. In space it is the vorticity in a slice, about the axis across it."""
+    """Draw the fluid as it is now, with cylinders, bodies and beams in their places; None if the fluid shows no
+    field. In space it is the vorticity in a slice, about the axis across it."""
     scene, units = session.scene, session.units
     if scene.fluid is None or "fluid" not in units:
         return None
