@@ -119,10 +119,10 @@ def ran(tmp_path, libraries):
 
 
 def test_a_flag_flaps_as_on_finer_grids(ran):
-    """0.097 L at 1.04 U/L where it is 0.03 thick. With 64 points a length it is 0.080 at 1.00; at 0.97 if the fluid it
-    displaces is not taken off its mass, at 0.84 if it is twice as stiff."""
-    coarse = simulate.on_grid(320, 160, 0.004) | {"beam.thickness": 0.03, "beam.segments": 48, "time.end": 12.0}
-    found = cases.swing(ran(cases.FLAG, coarse).series, "tip_uy", 6.0)
+    """0.097 L at 1.04 U/L where it is 0.03 thick. With 64 points a length it is 0.083 at 1.02 in the end; at 0.97 if
+    the fluid it displaces is not taken off its mass, at 0.84 if it is twice as stiff."""
+    coarse = simulate.on_grid(320, 160, 0.004) | {"beam.thickness": 0.03, "beam.segments": 48, "time.end": 14.0}
+    found = cases.swing(ran(cases.FLAG, coarse).series, "tip_uy", 10.0)
     assert found["amplitude"] == pytest.approx(0.0975, rel=0.2), found
     assert found["frequency"] == pytest.approx(1.037, rel=0.05), found
 

@@ -118,17 +118,19 @@ class Session(TimeLoop):
         Raise `InputError` where the folder holds other results, unless `force` allows their loss."""
         folder, foreign = folder or Path("results") / scene.name, foreign or {}
         units = describe_all(scene, fmi)
-        theirs = {name: read_description(path).modelName for name, path in foreign.items() if name in units}
-        models = {name: unit.model for name, unit in units.items()} | theirs
+        models = {name: unit.model for name, unit in units.items()}
+        models |= {name: read_description(path).modelName for name, path in foreign.items() if name in units}
         stale = results.check_output_folder(folder, scene, models, force)
-        with ThreadPoolExecutor() as packers:  # To compress a library leaves Python to the session
-            ours = units.keys() - foreign.keys()
-            packing = {name: packers.submit(package.pack, units[name], folder) for name in ours}
-            session = cls(scene, folder, foreign, foreign=foreign.keys(), described=units, series_every=series_every)
+        ours, session = units.keys() - foreign.keys(), None
         try:
+            with ThreadPoolExecutor() as packers:  # To compress a library leaves Python to the session
+                packing = {name: packers.submit(package.pack, units[name], folder) for name in ours}
+                theirs = foreign.keys()
+                session = cls(scene, folder, foreign, foreign=theirs, described=units, series_every=series_every)
             session.fmus |= {name: packed.result() for name, packed in packing.items()}
         except OSError as error:
-            session.close()
+            if session:
+                session.close()
             raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
         session.stale_files |= stale - {path.parent.resolve() / path.name for path in session.fmus.values()}
         return session
