@@ -10,7 +10,7 @@ use crate::field::is_available;
 use crate::force::Exchange;
 use crate::limits::{Contour, StepLimits};
 use crate::outlet::Outlet;
-use crate::parameters::{Extent, Parameters};
+use crate::parameters::{Extent, Flexible, Parameters};
 use crate::present::{Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
@@ -100,11 +100,15 @@ where
         let carried = vec![Carried::default(); problem.bodies.carried().count()];
         let displaced = vec![Pose::default(); carried.len()];
         let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
-        let stress = || {
-            let is_line = |extent: &Extent| D == 2 && matches!(extent, Extent::Line { .. });
-            let room = parameters.flexible.iter().map(|body| if is_line(&body.extent) { body.nodes.len() } else { 0 });
-            room.map(|stations| vec![0.0; stations]).collect()
+        // Components of the shear stress of a body.
+        let components = |extent: &Extent| match extent {
+            Extent::Line { .. } if D == 2 => 1,
+            Extent::Surface(_) => D,
+            _ => 0,
         };
+        let room = |body: &Flexible<D>, lists: usize| vec![vec![0.0; body.nodes.len()]; lists];
+        let jump = |body: &Flexible<D>| room(body, components(&body.extent).min(1)).pop().unwrap_or_default();
+        let shear = |body: &Flexible<D>| room(body, components(&body.extent));
         let present = Present {
             time: 0.0,
             step: 0.0,
@@ -115,8 +119,8 @@ where
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
-                line_jump: stress(),
-                line_shear: stress(),
+                jump: parameters.flexible.iter().map(jump).collect(),
+                shear: parameters.flexible.iter().map(shear).collect(),
             },
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };

@@ -156,16 +156,16 @@ where
         &mut self.motion.target
     }
 
-    /// Return the pressure above less the pressure below the stations of each beam, Pa. The first pressure after a step
-    /// takes transforms.
+    /// Return the pressure above less the pressure below the stations of each beam in the plane and surface in space, Pa.
+    /// The first pressure after a step takes transforms.
     pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
         &self.pressures().jump
     }
 
-    /// Return the shear stress on both faces together of each beam that is a line, towards its tip at its stations, Pa;
-    /// of another beam nothing.
-    pub fn shear(&self) -> &[Vec<f64>] {
-        &self.present.flexible.line_shear
+    /// Return the shear stress on both faces together at the stations of each flexible body, Pa, by component: of a line in
+    /// the plane towards its tip, of a surface along each axis, of another body nothing.
+    pub fn shear(&self) -> &[Vec<Vec<f64>>] {
+        &self.present.flexible.shear
     }
 
     /// Return the mean of the pressures above and below the stations of each beam, less the mean over the outlet, Pa;
@@ -179,9 +179,9 @@ where
         pressures.get(|pressures| {
             solver.read_pressure(present, problem, &mut |problem, at| {
                 let (grid, beams, stations) = (&problem.grid, &problem.bodies.beams, &present.flexible.stations);
-                let (outlet, line_jump) = (outlet.as_ref(), &present.flexible.line_jump);
+                let (outlet, thin) = (outlet.as_ref(), &present.flexible.jump);
                 let density = *density;
-                PressurePlaces { grid, density, probes, outlet, beams, stations, line_jump }.read(at, pressures);
+                PressurePlaces { grid, density, probes, outlet, beams, stations, thin }.read(at, pressures);
             });
         })
     }
