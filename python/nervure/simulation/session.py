@@ -83,7 +83,8 @@ class Session(TimeLoop):
             return
         box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
         ends = (end for end in (box.x, box.y, box.z) if end)
-        cell = tuple((high - low) / count for (low, high), count in zip(ends, box.cells, strict=True))
+        ratio = fluid.fine_box.ratio if fluid.fine_box else 1
+        cell = tuple((high - low) / count / ratio for (low, high), count in zip(ends, box.cells, strict=True))
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]

@@ -505,3 +505,13 @@ fn smooth_step(x: f64) -> f64 {
     let s = 1.0 - x.clamp(0.0, 1.0);
     s * s * (3.0 - 2.0 * s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_know_the_width_of_the_rim() {
+        assert_eq!(RIM + GROWTH, scene::FINE_BOX_RIM_CELLS);
+    }
+}
