@@ -94,7 +94,7 @@ FINE = SCENE["fluid"]["fine_box"]
     ("parts", "named"),
     (
         ({"fine_box": FINE | {"ratio": 9}}, ["fluid.fine_box.ratio"]),
-        ({"fine_box": FINE | {"y": [-1.0, 1.0]}}, ["fluid.fine_box.y", "8 cells of the large box", "16"]),
+        ({"fine_box": FINE | {"y": [-1.0, 1.0]}}, ["fluid.fine_box.y", "16 cells of the large box across, and has 8"]),
         ({"fine_box": FINE | {"x": [-5.0, 3.0]}}, ["fluid.fine_box.x", "inside the box"]),
         ({"fine_box": FINE | {"x": [-2.0, 7.0]}}, ["fluid.fine_box.x", "into the sponge"]),
         ({"fine_box": FINE | {"z": [-2.0, 2.0]}}, ["fluid.fine_box.z", "axes of `box`"]),

@@ -196,21 +196,17 @@ where
 
     fn sum_of_u(&self, points: Range<usize>) -> f64 {
         let mut sum = 0.0;
-        self.scheme.for_each_in_domain(&self.flow, |point, flow, own| {
-            if points.contains(&point) {
-                sum += flow.velocity[0][own].to_f64();
-            }
-        });
+        self.scheme.for_each_in_domain(&self.flow, points, |flow, own| sum += flow.velocity[0][own].to_f64());
         sum
     }
 
     fn squares(&self) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        self.scheme.for_each_in_domain(&self.flow, |_, flow, own| sums[0] += square(flow.velocity_at(own)));
+        let (mut sums, all) = ([0.0; 2], 0..self.scheme.points_of_domain(&self.flow));
+        let visit = |flow: &Flow<R, D>, own: usize| sums[0] += square(flow.velocity_at(own));
+        self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
         for component in 0..<[f64; D]>::VORTICITY {
-            self.scheme.for_each_in_domain(&self.flow, |_, flow, own| {
-                sums[1] += flow.vorticity[component][own].to_f64().powi(2);
-            });
+            let visit = |flow: &Flow<R, D>, own: usize| sums[1] += flow.vorticity[component][own].to_f64().powi(2);
+            self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
         }
         sums
     }

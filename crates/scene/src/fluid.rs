@@ -456,7 +456,7 @@ impl Fluid {
         for (name, (([_, cells], own), walls)) in ["x", "y", "z"].into_iter().zip(places) {
             let key = format!("{key}.{name}");
             faults.require(cells >= LEAST_CELLS_OF_FINE_BOX, &key, format!("{own:?}"), || {
-                format!("it has {cells} cells of the large box there, but needs {LEAST_CELLS_OF_FINE_BOX}")
+                format!("it must have {LEAST_CELLS_OF_FINE_BOX} cells of the large box across, and has {cells}")
             });
             let between = walls.is_none_or(|[low, high]| low <= own[0] && own[1] <= high);
             faults.require(between, &key, format!("{own:?}"), || format!("it must lie between the walls at {walls:?}"));

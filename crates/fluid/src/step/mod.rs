@@ -6,6 +6,7 @@ mod sbdf2;
 mod substep;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use line_fft::Real;
 
@@ -105,9 +106,19 @@ where
         (0..pi.len()).map(|point| static_pressure(pi, flow, point)).collect()
     }
 
-    /// Call `visit` with each point of the domain, in ascending order, the flow there, and the point of its own grid.
-    fn for_each_in_domain<'a>(&'a self, flow: &'a Flow<R, D>, mut visit: impl FnMut(usize, &'a Flow<R, D>, usize)) {
-        (0..flow.velocity[0].len()).for_each(|point| visit(point, flow, point));
+    /// Call `visit` with some points of the domain, in ascending order, by the flow there and the point of its own grid.
+    fn for_each_in_domain<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        mut visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        points.for_each(|point| visit(flow, point));
+    }
+
+    /// Return the number of points of the domain.
+    fn points_of_domain(&self, flow: &Flow<R, D>) -> usize {
+        flow.velocity[0].len()
     }
 
     /// Return a field of the flow over the domain, copied only if it is not in one piece and precision.

@@ -115,10 +115,10 @@ where
         let mut lists = link.ends[1].chunks_exact_mut(transfer.len());
         let mut next = || lists.next().unwrap_or_default();
         for field in flow.velocity.iter().chain(&flow.vorticity) {
-            transfer.write_coefficients(|point| field[point].to_f64(), room, next());
+            transfer.write_coefficients(|point, _| field[point].to_f64(), room, next());
         }
         for axis in 0..D {
-            let g = |point: usize| scheme.g(flow, axis, point) - patch.gradient(axis, transfer.in_patch(point));
+            let g = |point: usize, place: usize| scheme.g(flow, axis, point) - patch.gradient(axis, place);
             transfer.write_coefficients(g, room, next());
         }
     }
@@ -195,9 +195,9 @@ where
         let force = link.force.chunks_exact(transfer.len());
         for (axis, (source, force)) in scheme.source_mut().iter_mut().flatten().zip(force).enumerate() {
             source.fill(R::zero());
-            transfer.add_to_points(force, room, |point, part| {
+            transfer.add_to_points(force, room, |point, place, part| {
                 source[point] = R::rounded(source[point].to_f64() + part);
-                patch.add(axis, transfer.in_patch(point), part);
+                patch.add(axis, place, part);
             });
         }
     }
@@ -245,7 +245,7 @@ where
         self.take_force();
         let Self { background: Background { transfer, .. }, flow, scheme, patch, problem, present, room, .. } = self;
         let (pi, own) = (scheme.total_pressure(flow, present, problem), patch.pressure());
-        let outside = |point: usize| pi[point].to_f64() - own[transfer.in_patch(point)].to_f64();
+        let outside = |point: usize, place: usize| pi[point].to_f64() - own[place].to_f64();
         transfer.write_coefficients(outside, room, coefficients);
         let plane = &own[..transfer.points_of_patch_plane()];
         plane.iter().map(|pi| pi.to_f64()).sum::<f64>() / plane.len() as f64

@@ -24,6 +24,7 @@ mod patch;
 mod transfer;
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use line_fft::{Real, Team, nothing, run};
@@ -138,7 +139,7 @@ where
                     for (((own, u), coarse), w) in own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1]) {
                         *own = of_rows * w * (u.to_f64() - coarse);
                     }
-                    transfer.restrict_row(row, own, of_row, sums);
+                    transfer.restrict_row(row, own, 0..0, of_row, sums);
                 });
             }
         });
@@ -194,7 +195,8 @@ where
                         let kept = of_rows * left * correction;
                         (*own, *w) = (correction - kept, R::rounded(kept));
                     }
-                    transfer.restrict_row(row, own, of_row, sums);
+                    let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
+                    transfer.restrict_row(row, own, nothing, of_row, sums);
                 });
             }
         });
@@ -421,14 +423,21 @@ where
         pressure
     }
 
-    fn for_each_in_domain<'a>(&'a self, flow: &'a Flow<R, D>, mut visit: impl FnMut(usize, &'a Flow<R, D>, usize)) {
-        let (coarse, transfer) = (self.coarse.flow(), &self.coarse.background.transfer);
-        for point in 0..coarse.velocity[0].len() {
-            match transfer.in_box(point) {
-                Some(own) => visit(point, flow, own),
-                None => visit(point, coarse, point),
-            }
-        }
+    fn for_each_in_domain<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        mut visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        let coarse = self.coarse.flow();
+        self.coarse.background.transfer.for_each_of(points, |point, own| match own {
+            Some(own) => visit(flow, own),
+            None => visit(coarse, point),
+        });
+    }
+
+    fn points_of_domain(&self, _: &Flow<R, D>) -> usize {
+        self.coarse.flow().velocity[0].len()
     }
 
     fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {

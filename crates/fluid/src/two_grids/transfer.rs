@@ -5,6 +5,7 @@
 //! and smooths. Both are products over the axes.
 
 use std::array::from_fn;
+use std::ops::Range;
 
 use crate::grid::Grid;
 use crate::kernel::cubic;
@@ -23,6 +24,8 @@ pub struct Transfer<const D: usize> {
     cells: [usize; D],
     /// Coarse points along each axis, in the first period, from [`REACH`] points before the first coefficient on.
     places: [Vec<usize>; D],
+    /// Place on the patch of each of them, see [`Transfer::in_patch`].
+    on_patch: Vec<u32>,
     /// Coarse points along each axis.
     coarse: [usize; D],
     /// Weights of four coefficients at each of the fine points of a coarse cell.
@@ -48,14 +51,19 @@ impl<const D: usize> Transfer<D> {
     pub fn new(coarse: &Grid<D>, fine: &FineBox<D>) -> Self {
         let place = |axis: usize, i: usize| coarse.wrap(axis, (fine.first[axis] + i) as i64 - (1 + REACH) as i64);
         let length = |axis: usize| fine.cells[axis] + MARGIN + 2 * REACH;
-        Self {
+        let mut own = Self {
             ratio: fine.ratio,
             cells: fine.cells,
             places: from_fn(|axis| (0..length(axis)).map(|i| place(axis, i)).collect()),
             coarse: coarse.cells,
             weights: (0..fine.ratio).map(|p| cubic(p as f64 / fine.ratio as f64)).collect(),
             filter: low_pass(),
-        }
+            on_patch: vec![],
+        };
+        let mut on_patch = vec![];
+        own.for_each_place(0, 0, &mut |point| on_patch.push(own.in_patch(point) as u32));
+        own.on_patch = on_patch;
+        own
     }
 
     /// Return the number of coefficients along each axis.
@@ -93,16 +101,19 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
-    /// Write the coefficients of a field that is given at a coarse point.
+    /// Write the coefficients of a field that is given at a coarse point and its place on the patch, see
+    /// [`Self::in_patch`].
     pub fn write_coefficients(
         &self,
-        at: impl Fn(usize) -> f64,
+        at: impl Fn(usize, usize) -> f64,
         FilterRoom([from, to]): &mut FilterRoom,
         coefficients: &mut [f64],
     ) {
         let mut sizes: [usize; D] = self.places.each_ref().map(Vec::len);
         from.clear();
-        self.for_each_place(0, 0, &mut |index| from.push(at(index)));
+        let mut on_patch = self.on_patch.iter();
+        let mut next = || on_patch.next().map_or(0, |place| *place as usize);
+        self.for_each_place(0, 0, &mut |index| from.push(at(index, next())));
         for axis in 0..D {
             let inner: usize = sizes[axis + 1..].iter().product();
             let (length, left) = (sizes[axis], sizes[axis] - 2 * REACH);
@@ -125,12 +136,13 @@ impl<const D: usize> Transfer<D> {
         coefficients.copy_from_slice(from);
     }
 
-    /// Write the adjoint of [`Self::write_coefficients`]: call `add` with each coarse point and what it receives.
+    /// Write the adjoint of [`Self::write_coefficients`]: call `add` with each coarse point, its place on the patch, and
+    /// what it receives.
     pub fn add_to_points(
         &self,
         sums: &[f64],
         FilterRoom([from, to]): &mut FilterRoom,
-        mut add: impl FnMut(usize, f64),
+        mut add: impl FnMut(usize, usize, f64),
     ) {
         let mut sizes = self.extent();
         from.clear();
@@ -153,10 +165,10 @@ impl<const D: usize> Transfer<D> {
             sizes[axis] = more;
             std::mem::swap(from, to);
         }
-        let mut values = from.iter();
+        let mut values = from.iter().zip(&self.on_patch);
         self.for_each_place(0, 0, &mut |point| {
-            if let Some(value) = values.next() {
-                add(point, *value);
+            if let Some((value, place)) = values.next() {
+                add(point, *place as usize, *value);
             }
         });
     }
@@ -170,7 +182,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return the point of the periodic patch of coarse cells under the fine box at the place of a coarse one.
-    pub fn in_patch(&self, point: usize) -> usize {
+    fn in_patch(&self, point: usize) -> usize {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
             let from_first = rest % self.coarse[axis] + self.coarse[axis] - self.places[axis][1 + REACH];
@@ -205,10 +217,24 @@ impl<const D: usize> Transfer<D> {
         Some(own)
     }
 
+    /// Call `visit` with some coarse points, each with the fine one at its place if it is in the fine box.
+    pub fn for_each_of(&self, points: Range<usize>, mut visit: impl FnMut(usize, Option<usize>)) {
+        let (length, first) = (self.coarse[D - 1], self.places[D - 1][1 + REACH]);
+        for row in points.start / length..points.end.div_ceil(length) {
+            let start = row * length;
+            let own = self.in_box(start + first);
+            for point in start.max(points.start)..(start + length).min(points.end) {
+                let from_first = (point - start).wrapping_sub(first);
+                let inside = own.filter(|_| from_first < self.cells[D - 1]);
+                visit(point, inside.map(|own| own + from_first * self.ratio));
+            }
+        }
+    }
+
     /// Call `visit` with each coarse point in the fine box, and the fine one at its place.
     pub fn for_each_in_box(&self, mut visit: impl FnMut(usize, usize)) {
         let points = self.coarse.iter().product();
-        (0..points).for_each(|point| self.in_box(point).into_iter().for_each(|own| visit(point, own)));
+        self.for_each_of(0..points, |point, own| own.into_iter().for_each(|own| visit(point, own)));
     }
 
     /// Call `visit(row, values)` with each row of a fine plane across x: its number, and the interpolated values.
@@ -257,22 +283,38 @@ impl<const D: usize> Transfer<D> {
         (point / self.ratio, self.weights[point % self.ratio])
     }
 
-    /// Add the restriction of a row of a fine plane along the axes after x to the sums of that plane.
-    pub fn restrict_row(&self, row: usize, values: &[f64], of_row: &mut [f64], of_plane: &mut [f64]) {
+    /// Return the coarse cells along the last axis that lie between rims of a width in cells.
+    pub fn between_rims(&self, rim: f64) -> Range<usize> {
+        let rim = rim.ceil() as usize;
+        rim..self.cells[D - 1] - rim
+    }
+
+    /// Add the restriction of a row of a fine plane along the axes after x to the sums of that plane. In some coarse cells
+    /// the values are nothing.
+    pub fn restrict_row(
+        &self,
+        row: usize,
+        values: &[f64],
+        nothing: Range<usize>,
+        of_row: &mut [f64],
+        of_plane: &mut [f64],
+    ) {
         let last = self.extent()[D - 1];
         if D == 2 {
-            return self.gather(values, of_plane);
+            return self.gather(values, nothing, of_plane);
         }
         of_row.fill(0.0);
-        self.gather(values, of_row);
+        self.gather(values, nothing, of_row);
         let (first, weights) = self.weights_at(row);
         for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
             of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
         }
     }
 
-    fn gather(&self, values: &[f64], coefficients: &mut [f64]) {
-        for (cell, values) in values.chunks_exact(self.ratio).enumerate() {
+    fn gather(&self, values: &[f64], nothing: Range<usize>, coefficients: &mut [f64]) {
+        let cells = (0..nothing.start).chain(nothing.end..self.cells[D - 1]);
+        for cell in cells {
+            let values = &values[cell * self.ratio..][..self.ratio];
             let mut sums = [0.0; 4];
             for (value, w) in values.iter().zip(&self.weights) {
                 sums = from_fn(|k| sums[k] + w[k] * value);
@@ -370,7 +412,7 @@ mod tests {
 
     fn interpolated<const D: usize>(transfer: &Transfer<D>, field: &[f64]) -> Vec<f64> {
         let (mut coefficients, mut all, mut rows) = (vec![0.0; transfer.len()], vec![], transfer.rows());
-        transfer.write_coefficients(|point| field[point], &mut FilterRoom::default(), &mut coefficients);
+        transfer.write_coefficients(|point, _| field[point], &mut FilterRoom::default(), &mut coefficients);
         for plane in 0..transfer.planes() {
             transfer.interpolate(&coefficients, plane, &mut rows, |_, values| all.extend_from_slice(values));
         }
@@ -384,12 +426,12 @@ mod tests {
             let (mut of_plane, mut of_row) = (vec![0.0; transfer.plane_len()], vec![0.0; transfer.plane_len()]);
             let rows = plane.chunks_exact(row).enumerate();
             let last = transfer.extent()[D - 1];
-            rows.for_each(|(k, row)| transfer.restrict_row(k, row, &mut of_row[..last], &mut of_plane));
+            rows.for_each(|(k, row)| transfer.restrict_row(k, row, 0..0, &mut of_row[..last], &mut of_plane));
             of_plane
         });
         let of_planes: Vec<_> = of_planes.collect();
         transfer.restrict_planes(of_planes.iter().map(|of| &of[..]), 1.0, &mut sums);
-        transfer.add_to_points(&sums, &mut FilterRoom::default(), |point, part| all[point] += part);
+        transfer.add_to_points(&sums, &mut FilterRoom::default(), |point, _, part| all[point] += part);
         all
     }
 
