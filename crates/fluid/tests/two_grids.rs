@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use nervure_fluid::{
-    Body, Error, FineBox, Fluid, Law, Motion, Outline, Parameters, Precision, Solid, Solvable, Triangulation, Zone,
+    Body, Error, FineBox, Fluid, Law, Motion, Mount, Outline, Parameters, Precision, Solid, Solvable, Support,
+    Triangulation, Zone,
 };
 
 fn new<const D: usize>(parameters: &Parameters<D>) -> Fluid<D>
@@ -95,6 +96,26 @@ fn a_sphere_and_a_plate_have_the_drag_of_one_grid() {
         let [one, two] = [None, Some(2)].map(run);
         let [found, expected] = [&two, &one].map(|drags| mean(&drags[24..]));
         assert!((found / expected - 1.0).abs() < 0.015, "{}: {found} beside {expected}", body.name);
+    }
+}
+
+#[test]
+fn a_light_cylinder_on_springs_moves_as_on_one_grid() {
+    let (h, steps) = (0.0125, 240);
+    let [one, two] = [None, Some(2)].map(|ratio| {
+        let mut parameters = cylinder(100.0, 12, ratio, h);
+        let spring = Some(Support { stiffness: 4.0, damping: 0.0, rest: 0.0 });
+        let supports = [spring, spring, None, None, None, None];
+        let mount = Mount { mass: 0.2, inertia: 0.0, supports, gravity: [0.0; 2] };
+        parameters.bodies[0].motion = Some(Motion::Mount(mount));
+        parameters.mean_flow = Some([Law::constant(1.0), Law::new(|t| (0.2 * (2.0 * t).sin(), 0.4 * (2.0 * t).cos()))]);
+        let mut fluid = new(&parameters);
+        advance(&mut fluid, steps, h);
+        fluid.pose(0).position
+    });
+    for axis in 0..2 {
+        let (found, expected) = (two[axis], one[axis]);
+        assert!((found - expected).abs() < 0.005, "axis {axis}: {found} beside {expected} m");
     }
 }
 
