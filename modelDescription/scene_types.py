@@ -108,10 +108,10 @@ class Writer:
 
     def default(self, schema: Schema, value: Any) -> str:
         """The expression of a field's default."""
-        if isinstance(value, dict):
-            return f"Field(default_factory={f'lambda: {self.made(schema, value)}' if value else 'dict'})"
-        if isinstance(value, list):
-            return repr(tuple(value)) if value else "Field(default_factory=list)"
+        if isinstance(value, dict) and value:
+            return f"Field(default_factory=lambda: {self.made(schema, value)})"
+        if isinstance(value, list) and value:
+            return repr(tuple(value))
         return json.dumps(value) if isinstance(value, str) else repr(value)
 
     def made(self, schema: Schema, value: Schema) -> str:

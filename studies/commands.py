@@ -49,7 +49,7 @@ def tables(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """Return the rows of a CSV, with numbers as floats and empty cells as None."""
+    """Return the rows of a CSV without its comments, with numbers as floats and empty cells as None."""
 
     def value(text: str) -> float | str | None:
         try:
@@ -58,4 +58,5 @@ def read(path: Path) -> list[dict[str, Any]]:
             return text
 
     with open(path, encoding="utf-8", newline="") as file:
-        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return [{key: value(text) for key, text in row.items()} for row in rows]

@@ -77,7 +77,7 @@ class Motion:
         return self.amplitude * share * sin, self.amplitude * (share * omega * cos + growth * sin)
 
 
-class Driven(coupling.Single):
+class Driven(coupling.SingleUnit):
     """A fluid whose stations follow a prescribed motion."""
 
     def __init__(self, fluid: Unit, motion: Motion, x: np.ndarray):

@@ -17,8 +17,8 @@ import numpy as np
 from nervure import coupling, scene as scenes
 from nervure.evaluate import coefficients, statistics
 from nervure.files import json_numbers
-from nervure.output import plots
 from nervure.output.forecast import resident_memory
+from nervure.output.pictures import Pictures
 from nervure.scene import validate
 from nervure.simulation.session import Session
 from nervure.units.describe import describe_all
@@ -110,7 +110,7 @@ def unit_of(quantity: str) -> str:
     return {"tip_ux": "m", "tip_uy": "m", "drag": "N/m", "lift": "N/m", "dp_mean": "Pa"}.get(name, "")
 
 
-class Rigid(coupling.Single):
+class Rigid(coupling.SingleUnit):
     """A fluid whose stations are those of a rigid rod along x, pitching about the origin."""
 
     def __init__(self, fluid: Unit, scene: dict[str, Any]):
@@ -185,7 +185,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         setattr(run.recorder, "record", timed(run.recorder.record, seconds, "recording"))  # noqa: B010
         status = run.run()
         memory = resident_memory() - before
-        run.observers = [plots.Pictures(run)] if pictures else []
+        run.observers = [Pictures(run)] if pictures else []
         made = run.finish()
         summary = made.summary.document()
         phases = summary["phases_s"]

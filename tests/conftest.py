@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from contextlib import ExitStack, chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
@@ -191,6 +192,20 @@ def output(unit: Unit, name: str) -> np.ndarray:
 
 TOOL = [sys.executable, "-m", "nervure"]
 """The command in a process of its own."""
+
+
+def goes_back_and_on(unit: Unit, other: Unit, run: Callable[[Unit, int], np.ndarray], steps: int) -> np.ndarray:
+    """Check that a started unit repeats `steps` steps from its saved state bit by bit, and that `other` makes them from
+    the serialized state; `run` makes that many steps after the first ones and returns what they give, as this does."""
+    run(unit, 0)
+    unit.save()
+    state = unit.serialize()
+    expected = run(unit, steps)
+    unit.restore()
+    assert np.array_equal(run(unit, steps), expected)
+    other.deserialize(state)
+    assert np.array_equal(run(other, steps), expected)
+    return expected
 
 
 def nervure(*arguments, cwd=".", env=os.environ) -> subprocess.CompletedProcess:

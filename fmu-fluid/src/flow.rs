@@ -1,146 +1,180 @@
 //! The fluid of a scene, in the plane or in space.
 
-use std::any::Any;
-
-use fluid::{Error, Fluid, Parameters, Solvable, State, Stations};
+use fluid::{Error, Fluid, Motion, Parameters, Pose, Solvable, State, Stations};
 use fmi_export::require_memory;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// A fluid of any number of dimensions.
-pub trait Flow: Any + Send {
-    /// Return the number of cells along each axis.
-    fn cells(&self) -> &[usize];
-
-    /// Return the number of stations and nodes of the flexible bodies.
-    fn stations(&self) -> usize;
-
-    /// Start at another time than the present one, s.
-    fn start_at(&mut self, start: f64);
-
-    /// Advance from `t` to `t + h` (s).
-    fn advance(&mut self, t: f64, h: f64) -> Result<(), Error>;
-
-    /// Return the approximate memory of a state, bytes.
-    fn state_bytes(&self) -> usize;
-
-    /// Return a copy of everything that the next step depends on, but the inputs.
-    fn save(&self) -> FlowState;
-
-    /// Go to a state.
-    fn restore(&mut self, state: &FlowState) -> Result<(), String>;
-
-    /// Copy the inputs of another fluid of the same bodies.
-    fn copy_inputs(&mut self, other: &dyn Any);
-
-    /// Return the values of a field at the points of the grid, in SI units; none of an unknown name.
-    fn field(&mut self, name: &str) -> Option<Vec<f64>>;
+/// Something of two or three dimensions.
+#[derive(Clone, Serialize, Deserialize)]
+pub enum Either<P, S> {
+    Plane(P),
+    Space(S),
 }
 
-/// A state of a fluid of two or three dimensions.
-#[derive(Clone, Serialize, Deserialize)]
-pub enum FlowState {
-    Plane(State<2>),
-    Space(State<3>),
+/// The fluid of a scene.
+pub type Flow = Either<FlowIn<2>, FlowIn<3>>;
+/// A state of a fluid.
+pub type FlowState = Either<State<2>, State<3>>;
+
+/// Evaluate one expression for a fluid of either dimension.
+macro_rules! either {
+    ($flow:expr, $own:ident => $value:expr) => {
+        match $flow {
+            $crate::flow::Either::Plane($own) => $value,
+            $crate::flow::Either::Space($own) => $value,
+        }
+    };
+}
+pub(crate) use either;
+
+/// A fluid of D dimensions, with the inputs of its next step.
+pub struct FlowIn<const D: usize>
+where
+    [f64; D]: Solvable<D>,
+{
+    parameters: Parameters<D>,
+    /// Stations of each flexible body at the end of the step.
+    pub stations: Vec<Stations<D>>,
+    /// Displacement of each rigid body then; unused but for those that the master moves.
+    pub displacements: Vec<Pose<D>>,
+    /// None in a description.
+    solver: Option<Fluid<D>>,
 }
 
 /// The numbers of dimensions.
 pub trait Dimensions<const D: usize>: Solvable<D> {
-    fn wrap(state: State<D>) -> FlowState
-    where
-        [f64; D]: Solvable<D>;
-    fn unwrap(state: &FlowState) -> Option<&State<D>>
+    /// Return the fluid, which is of this number.
+    fn of(flow: &mut Flow) -> &mut FlowIn<D>
     where
         [f64; D]: Solvable<D>;
 }
 
 impl Dimensions<2> for [f64; 2] {
-    fn wrap(state: State<2>) -> FlowState {
-        FlowState::Plane(state)
-    }
-
-    fn unwrap(state: &FlowState) -> Option<&State<2>> {
-        if let FlowState::Plane(state) = state { Some(state) } else { None }
+    fn of(flow: &mut Flow) -> &mut FlowIn<2> {
+        if let Either::Plane(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
     }
 }
 
 impl Dimensions<3> for [f64; 3] {
-    fn wrap(state: State<3>) -> FlowState {
-        FlowState::Space(state)
-    }
-
-    fn unwrap(state: &FlowState) -> Option<&State<3>> {
-        if let FlowState::Space(state) = state { Some(state) } else { None }
+    fn of(flow: &mut Flow) -> &mut FlowIn<3> {
+        if let Either::Space(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
     }
 }
 
-/// Make the fluid of a scene; fails if there is no memory for it.
-pub fn new(scene: &Scene) -> Result<Box<dyn Flow>, String> {
-    if scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) { make::<3>(scene) } else { make::<2>(scene) }
+impl Flow {
+    /// Return the fluid of a scene without its solver; fails if there is no memory for that.
+    pub fn new(scene: &Scene) -> Result<Self, String> {
+        let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
+        Ok(if is_space { Self::Space(FlowIn::new(scene)?) } else { Self::Plane(FlowIn::new(scene)?) })
+    }
+
+    /// Return a copy of everything that the next step depends on, but the inputs.
+    pub fn save(&self) -> FlowState {
+        match self {
+            Self::Plane(flow) => FlowState::Plane(flow.solver().state()),
+            Self::Space(flow) => FlowState::Space(flow.solver().state()),
+        }
+    }
+
+    /// Go to a state.
+    pub fn restore(&mut self, state: &FlowState) -> Result<(), String> {
+        let result = match (self, state) {
+            (Self::Plane(flow), FlowState::Plane(state)) => flow.solver_mut().restore(state),
+            (Self::Space(flow), FlowState::Space(state)) => flow.solver_mut().restore(state),
+            _ => return Err("it is the state of a fluid with another number of dimensions".into()),
+        };
+        result.map_err(|e| e.to_string())
+    }
 }
 
-fn make<const D: usize>(scene: &Scene) -> Result<Box<dyn Flow>, String>
+const BUILT: &str = "an instance has a solver";
+
+impl<const D: usize> FlowIn<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Solvable<D>,
     Parameters<D>: for<'a> TryFrom<&'a Scene, Error = Error>,
 {
-    let text = |error: Error| error.to_string();
-    let parameters = Parameters::<D>::try_from(scene).map_err(text)?;
-    require_memory(Fluid::bytes(&parameters))?;
-    Ok(Box::new(Fluid::new(&parameters).map_err(text)?))
+    fn new(scene: &Scene) -> Result<Self, String> {
+        let parameters = Parameters::<D>::try_from(scene).map_err(|e| e.to_string())?;
+        require_memory(Fluid::bytes(&parameters))?;
+        parameters.check().map_err(|e| e.to_string())?;
+        Ok(Self {
+            stations: parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect(),
+            displacements: vec![Pose::default(); parameters.bodies.len()],
+            solver: None,
+            parameters,
+        })
+    }
+
+    /// Make the solver.
+    pub fn build(&mut self) -> Result<(), String> {
+        self.solver = Some(Fluid::new(&self.parameters).map_err(|e| e.to_string())?);
+        Ok(())
+    }
+
+    /// Make the solver again, for a scene with other numbers; after an error it is as before.
+    pub fn change(&mut self, scene: &Scene) -> Result<(), String> {
+        let Self { stations, displacements, .. } = self;
+        let mut changed = Self::new(scene)?;
+        changed.build()?;
+        (changed.stations, changed.displacements) = (stations.clone(), displacements.clone());
+        *self = changed;
+        Ok(())
+    }
 }
 
-impl<const D: usize> Flow for Fluid<D>
+impl<const D: usize> FlowIn<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Solvable<D>,
 {
-    fn cells(&self) -> &[usize] {
-        &self.grid().cells
+    pub fn solver(&self) -> &Fluid<D> {
+        self.solver.as_ref().expect(BUILT)
     }
 
-    fn stations(&self) -> usize {
-        Fluid::stations(self).iter().map(Stations::len).sum()
+    pub fn solver_mut(&mut self) -> &mut Fluid<D> {
+        self.solver.as_mut().expect(BUILT)
     }
 
-    fn start_at(&mut self, start: f64) {
-        if start != self.time() {
-            Fluid::start_at(self, start);
+    /// Return the number of cells along each axis.
+    pub fn cells(&self) -> &[usize] {
+        &self.parameters.cells
+    }
+
+    /// Return the number of stations and nodes of the flexible bodies.
+    pub fn nodes(&self) -> usize {
+        self.stations.iter().map(Stations::len).sum()
+    }
+
+    /// Start at another time than the present one, s.
+    pub fn start_at(&mut self, start: f64) {
+        if start != self.solver().time() {
+            self.solver_mut().start_at(start);
         }
     }
 
-    fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
-        Fluid::advance(self, t, h)
-    }
-
-    fn state_bytes(&self) -> usize {
-        Fluid::state_bytes(self)
-    }
-
-    fn save(&self) -> FlowState {
-        <[f64; D]>::wrap(self.state())
-    }
-
-    fn restore(&mut self, state: &FlowState) -> Result<(), String> {
-        let own = <[f64; D]>::unwrap(state).ok_or("it is the state of a fluid with another number of dimensions")?;
-        Fluid::restore(self, own).map_err(|e| e.to_string())
-    }
-
-    fn copy_inputs(&mut self, other: &dyn Any) {
-        if let Some(other) = other.downcast_ref::<Self>() {
-            let stations = Fluid::stations(other);
-            self.stations_mut().iter_mut().zip(stations).for_each(|(own, set)| own.copy_from(set));
-            self.displacements_mut().copy_from_slice(other.displacements());
+    /// Advance from `t` to `t + h` (s).
+    pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        let solver = self.solver.as_mut().expect(BUILT);
+        solver.stations_mut().iter_mut().zip(&self.stations).for_each(|(to, from)| to.copy_from(from));
+        for (k, (body, displacement)) in self.parameters.bodies.iter().zip(&self.displacements).enumerate() {
+            if matches!(body.motion, Some(Motion::Master)) {
+                *solver.displacement_mut(k) = *displacement;
+            }
         }
+        solver.advance(t, h)
     }
 
-    fn field(&mut self, name: &str) -> Option<Vec<f64>> {
+    /// Return the values of a field at the points of the grid, in SI units; none of an unknown name.
+    pub fn field(&mut self, name: &str) -> Option<Vec<f64>> {
         let about = ["vorticity_x", "vorticity_y", "vorticity"].iter().position(|known| *known == name);
         let along = ["u", "v", "w"].iter().position(|known| *known == name).filter(|axis| *axis < D);
+        let solver = self.solver_mut();
         match (name, about, along) {
-            ("p", ..) => Some(self.pressure()),
-            (_, Some(about), _) if D == 3 => Some(self.vorticity(about).into_owned()),
-            (_, Some(2), _) => Some(self.vorticity(0).into_owned()),
-            (_, _, Some(axis)) => Some(self.velocity(axis).into_owned()),
+            ("p", ..) => Some(solver.pressure()),
+            (_, Some(about), _) if D == 3 => Some(solver.vorticity(about).into_owned()),
+            (_, Some(2), _) => Some(solver.vorticity(0).into_owned()),
+            (_, _, Some(axis)) => Some(solver.velocity(axis).into_owned()),
             _ => None,
         }
     }

@@ -7,14 +7,14 @@ mod variables;
 use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
 
-use flow::{Flow, FlowState};
+use flow::{Flow, FlowState, either};
 use parameters::Parameters;
 
 /// The fluid of a scene.
 struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
-    flow: Box<dyn Flow>,
+    flow: Flow,
 }
 
 impl FluidUnit {
@@ -28,17 +28,9 @@ impl FluidUnit {
         }
         parameters.apply(part);
         let checked = self.scene.check().map_err(|e| e.to_string());
-        match checked.and_then(|()| flow::new(&self.scene)) {
-            Ok(mut flow) => {
-                flow.copy_inputs(&*self.flow);
-                self.flow = flow;
-            }
-            Err(message) => {
-                own.apply(self.scene.fluid.as_mut().expect("it was there"));
-                return Err(message);
-            }
-        }
-        Ok(())
+        checked.and_then(|()| either!(&mut self.flow, flow => flow.change(&self.scene))).inspect_err(|_| {
+            own.apply(self.scene.fluid.as_mut().expect("it was there"));
+        })
     }
 }
 
@@ -46,15 +38,19 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 5;
+    const STATE_LAYOUT: u32 = 6;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
-        let flow = flow::new(&scene)?;
+        let flow = Flow::new(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
         Ok(Self { parameters, scene, flow })
+    }
+
+    fn build(&mut self) -> Result<(), String> {
+        either!(&mut self.flow, flow => flow.build())
     }
 
     fn description(&self) -> Description {
@@ -76,18 +72,22 @@ impl Model for FluidUnit {
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
-        self.flow.start_at(start);
-        let cells = self.flow.cells().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
-        log.info(format_args!("{cells} cells, {} stations, start at t = {start} s", self.flow.stations()));
+        either!(&mut self.flow, flow => flow.start_at(start));
+        let cells =
+            either!(&self.flow, flow => flow.cells()).iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+        log.info(format_args!(
+            "{cells} cells, {} stations, start at t = {start} s",
+            either!(&self.flow, flow => flow.nodes())
+        ));
         Ok(())
     }
 
     fn step(&mut self, t: f64, h: f64, _log: &Log) -> Result<(), String> {
-        self.flow.advance(t, h).map_err(|e| e.to_string())
+        either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())
     }
 
     fn state_bytes(&self) -> usize {
-        self.flow.state_bytes()
+        either!(&self.flow, flow => flow.solver().state_bytes())
     }
 
     fn save(&self) -> FlowState {
@@ -102,8 +102,7 @@ impl Model for FluidUnit {
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
     /// `vorticity_x`, `vorticity_y`, and the component along z as `vorticity`.
     fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
-        let values = self.flow.field(name)?;
-        Some((self.flow.cells().to_vec(), values))
+        either!(&mut self.flow, flow => Some((flow.cells().to_vec(), flow.field(name)?)))
     }
 }
 

@@ -6,9 +6,10 @@
 use std::slice::from_mut;
 
 use fluid::{Fluid, Force, Pose, Space, Stations};
+use scene::{Load, Surface};
 
 use super::FluidUnit;
-use super::flow::Dimensions;
+use super::flow::{Dimensions, Flow, FlowIn};
 
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
@@ -21,7 +22,10 @@ const VELOCITIES: [&str; 3] = ["u", "v", "w"];
 
 /// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
-    if unit.flow.cells().len() == 2 { List::<2>::of(unit) } else { List::<3>::of(unit) }
+    match &unit.flow {
+        Flow::Plane(flow) => List::of(unit, flow),
+        Flow::Space(flow) => List::of(unit, flow),
+    }
 }
 
 /// The list for D dimensions.
@@ -56,13 +60,20 @@ impl Names {
     }
 }
 
-/// Return the fluid of a unit, whose list is that of its dimensions.
+/// Return inputs and solver of a unit, whose list is that of its dimensions.
+fn flow<const D: usize>(unit: &mut FluidUnit) -> &mut FlowIn<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    <[f64; D]>::of(&mut unit.flow)
+}
+
+/// Return the solver of a unit.
 fn fluid<const D: usize>(unit: &mut FluidUnit) -> &mut Fluid<D>
 where
     [f64; D]: Dimensions<D>,
 {
-    let flow: &mut dyn std::any::Any = &mut *unit.flow;
-    flow.downcast_mut().expect("the list is that of the dimensions of the fluid")
+    flow(unit).solver_mut()
 }
 
 /// Return the unit of a quantity, in the plane per metre of depth.
@@ -83,12 +94,10 @@ impl<const D: usize> List<D>
 where
     [f64; D]: Dimensions<D>,
 {
-    fn of(unit: &FluidUnit) -> Vec<Variable> {
+    fn of(unit: &FluidUnit, FlowIn { stations, .. }: &FlowIn<D>) -> Vec<Variable> {
         let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
         let (cylinders, bodies) = (part.cylinders.len(), part.bodies.len());
-        let flow: &dyn std::any::Any = &*unit.flow;
-        let fluid: &Fluid<D> = flow.downcast_ref().expect("the list is that of the dimensions of the fluid");
-        let names: Vec<_> = (0..fluid.stations().len()).map(|k| Names::of(unit, k)).collect();
+        let names: Vec<_> = (0..stations.len()).map(|k| Names::of(unit, k)).collect();
         let mut list = Self(Vec::new());
         list.parameters();
         list.totals();
@@ -96,9 +105,12 @@ where
             let all = if D == 3 || bodies > 0 || names.len() > 1 { "all bodies" } else { "all cylinders and the beam" };
             list.force("", all, |fluid, axis| fluid.force()[axis]);
         }
-        for k in 0..cylinders {
+        for (k, of) in part.cylinders.iter().enumerate() {
             let (name, body) = (format!("cylinder[{}].", k + 1), format!("cylinder {}", k + 1));
             list.force_and_moment(&name, &body, "its centre", move |fluid| fluid.force_on_body(k));
+            if of.motion.is_some() {
+                list.position(&name, &format!("the centre of {body}"), k);
+            }
         }
         for (k, of) in part.bodies.iter().enumerate() {
             let (name, body, k) = (format!("body[{}].", k + 1), format!("body {}", k + 1), cylinders + k);
@@ -118,10 +130,10 @@ where
             list.probe(&probe.name, &probe.position, k);
         }
         for (k, names) in names.iter().enumerate() {
-            let is_line = !fluid.shear()[k].is_empty();
-            let (loads, pressure) = (!fluid.loads().is_empty(), unit.scene.axial_pressure_strain());
-            let parts = Parts { is_line, loads, pressure };
-            list.stations(names, k, fluid.stations()[k].len(), &parts);
+            let is_line = D == 2 && unit.scene.beams().nth(k).is_some_and(|beam| beam.surface == Surface::Line);
+            let loads = unit.scene.load().is_none_or(|load| load == Load::Momentum);
+            let parts = Parts { is_line, loads, pressure: unit.scene.axial_pressure_strain() };
+            list.stations(names, k, stations[k].len(), &parts);
         }
         list.0
     }
@@ -211,14 +223,19 @@ where
         }
     }
 
+    /// Add the position of `point`, that of rigid body number `k`.
+    fn position(&mut self, name: &str, point: &str, k: usize) {
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Position of {point} along {along}");
+            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
+        }
+    }
+
     /// Add power, place and angle of rigid body number `k`.
     fn motion(&mut self, name: &str, body: &str, k: usize, follows_laws: bool) {
         let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
         self.output(format!("{name}power"), "W", power, move |fluid| fluid.power_on_body(k));
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text = format!("Position of the pivot of {body} along {along}");
-            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
-        }
+        self.position(name, &format!("the pivot of {body}"), k);
         let angle = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).angle)[about];
         if D == 2 {
             let text = format!("Angle from the x axis to that of {body}, positive to the left");
@@ -239,7 +256,7 @@ where
         let mut input = |part: String, unit: &str, what: String, of: Component<D>| {
             let text = format!("{what} of {body} at the end of the step");
             self.0.push(Real::input(format!("{name}motion.{part}"), unit, text, move |m: &mut FluidUnit| {
-                from_mut(of.of(fluid::<D>(m).displacement_mut(k)))
+                from_mut(of.of(&mut flow::<D>(m).displacements[k]))
             }));
         };
         for (axis, along) in AXES.into_iter().enumerate().take(D) {
@@ -316,7 +333,7 @@ where
             for (axis, along) in AXES.into_iter().enumerate().take(D) {
                 let text = format!("{what} of the {stations} at the end of the step");
                 let variable = Real::input(format!("{prefix}{name}{along}"), unit, text, move |m| {
-                    &mut of(&mut fluid::<D>(m).stations_mut()[k])[axis]
+                    &mut of(&mut flow::<D>(m).stations[k])[axis]
                 });
                 self.0.push(variable.array(n));
             }

@@ -1,40 +1,50 @@
 //! A rod in the plane or in space.
 
-use rod::{Error, Loads, Rod, Statistics};
+use rod::{Error, Rod, Statistics};
 use scene::{Beam, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::from_scene;
 
-/// A rod in two or three dimensions.
-pub enum Body {
-    Planar(Rod<2>),
-    Spatial(Rod<3>),
+/// Something of a rod in two or three dimensions.
+#[derive(Clone, Serialize, Deserialize)]
+pub enum Dimensions<P, S> {
+    Planar(P),
+    Spatial(S),
 }
 
+/// Parameters of a rod.
+pub type Plan = Dimensions<rod::Parameters<2>, rod::Parameters<3>>;
+/// A rod.
+pub type Body = Dimensions<Rod<2>, Rod<3>>;
 /// State of a [`Body`].
-#[derive(Clone, Serialize, Deserialize)]
-pub enum BodyState {
-    Planar(rod::RodState<2>),
-    Spatial(rod::RodState<3>),
-}
+pub type BodyState = Dimensions<rod::RodState<2>, rod::RodState<3>>;
 
 /// Evaluate one expression for a rod in either dimension.
 macro_rules! either {
     ($body:expr, $rod:ident => $value:expr) => {
         match $body {
-            Body::Planar($rod) => $value,
-            Body::Spatial($rod) => $value,
+            $crate::body::Dimensions::Planar($rod) => $value,
+            $crate::body::Dimensions::Spatial($rod) => $value,
         }
     };
 }
 pub(crate) use either;
 
-impl Body {
-    pub fn new(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Result<Self, Error> {
-        Ok(match scene.dimension(beam) {
-            2 => Self::Planar(from_scene::build(scene, beam, rod)?),
-            _ => Self::Spatial(from_scene::build(scene, beam, rod)?),
+impl Plan {
+    /// Return the parameters of the rod of a scene.
+    pub fn of(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Self {
+        match scene.dimension(beam) {
+            2 => Self::Planar(from_scene::parameters(scene, beam, rod)),
+            _ => Self::Spatial(from_scene::parameters(scene, beam, rod)),
+        }
+    }
+
+    /// Return the rod at rest, without loads.
+    pub fn build(&self) -> Result<Body, Error> {
+        Ok(match self {
+            Self::Planar(parameters) => Body::Planar(Rod::new(parameters.clone())?),
+            Self::Spatial(parameters) => Body::Spatial(Rod::new(parameters.clone())?),
         })
     }
 
@@ -44,26 +54,9 @@ impl Body {
             Self::Spatial(_) => 3,
         }
     }
+}
 
-    /// Return the number of stations.
-    pub fn stations(&self) -> usize {
-        self.positions(0).len()
-    }
-
-    pub fn loads(&self) -> &Loads {
-        either!(self, rod => &rod.loads)
-    }
-
-    pub fn loads_mut(&mut self) -> &mut Loads {
-        either!(self, rod => &mut rod.loads)
-    }
-
-    /// Return component `axis` of the nodal forces.
-    pub fn force_mut(&mut self, axis: usize) -> &mut [f64] {
-        let stations = self.stations();
-        &mut self.loads_mut().force[axis * stations..(axis + 1) * stations]
-    }
-
+impl Body {
     pub fn positions(&self, axis: usize) -> &[f64] {
         either!(self, rod => rod.positions(axis))
     }

@@ -1,19 +1,10 @@
 //! Conversion of a scene to the parameters and loads of a rod.
 
-use rod::{Error, Loads, Parameters, Rod, RootSupport, Slide, Taper};
+use rod::{Loads, Parameters, RootSupport, Slide, Taper};
 use scene::{Beam, Load, Material, Scene};
 
-/// Return the rod of a scene, at rest, with the loads of the scene.
-pub fn build<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Result<Rod<D>, Error> {
-    let parameters = parameters(scene, beam, rod);
-    let strained = parameters.strain_per_pressure > 0.0;
-    let mut built = Rod::new(parameters)?;
-    built.loads = loads::<D>(scene, beam.segments + 1, strained);
-    Ok(built)
-}
-
 /// Return the parameters of the rod of a scene.
-fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
+pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
     let (attachment, direction) = scene.beam_root(beam);
     let displaced = scene.displaced_line_density(beam, rod);
     Parameters {
@@ -64,16 +55,16 @@ fn taper(beam: &Beam, material: &Material, displaced: &[f64]) -> Taper {
 }
 
 /// Return the loads of a scene, with the value 0 and the lengths of their arrays.
-fn loads<const D: usize>(scene: &Scene, nodes: usize, strained: bool) -> Loads {
+pub fn loads(scene: &Scene, dimension: usize, nodes: usize) -> Loads {
     let zeros = |count: usize| vec![0.0; count];
     match scene.load() {
         None => {
-            let pressure_jump = zeros(if D == 2 { nodes } else { 0 });
-            Loads { force: zeros(D * nodes), pressure_jump, ..Loads::default() }
+            let pressure_jump = zeros(if dimension == 2 { nodes } else { 0 });
+            Loads { force: zeros(dimension * nodes), pressure_jump, ..Loads::default() }
         }
         Some(Load::Momentum) => {
-            let pressure = zeros(if strained { nodes } else { 0 });
-            Loads { force: zeros(D * nodes), impedance: zeros(nodes), pressure, ..Loads::default() }
+            let pressure = zeros(if scene.strain_per_pressure().unwrap_or(0.0) > 0.0 { nodes } else { 0 });
+            Loads { force: zeros(dimension * nodes), impedance: zeros(nodes), pressure, ..Loads::default() }
         }
         Some(Load::PressureJump) => Loads { pressure_jump: zeros(nodes), ..Loads::default() },
     }

@@ -36,6 +36,10 @@ impl Model for RodUnit {
         Self::new(name, scene, (beam, rod), load).map_err(|e| e.to_string())
     }
 
+    fn build(&mut self) -> Result<(), String> {
+        RodUnit::build(self).map_err(|e| e.to_string())
+    }
+
     fn description(&self) -> Description {
         let root = match self.support() {
             RootSupport::Clamped => "clamped at its root",
@@ -60,16 +64,16 @@ impl Model for RodUnit {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
-        self.parameters.apply(&mut self.body).map_err(|e| e.to_string())?;
+        self.apply_parameters().map_err(|e| e.to_string())?;
         self.place(start).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())?;
-        log.info(format_args!("{} stations, start at t = {start} s", self.body.stations()));
+        log.info(format_args!("{} stations, start at t = {start} s", self.stations()));
         Ok(())
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         RodUnit::step(self, t, h).map_err(|e| format!("{e}, {}", span()))?;
-        let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } = self.body.statistics();
+        let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } = self.body().statistics();
         if rescues > 0 || negative_pivots > 0 || halvings > 0 {
             log.info(format_args!(
                 "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, \
@@ -81,16 +85,16 @@ impl Model for RodUnit {
     }
 
     fn state_bytes(&self) -> usize {
-        STATE_BYTES_PER_STATION * self.body.stations()
+        STATE_BYTES_PER_STATION * self.stations()
     }
 
     fn save(&self) -> BodyState {
-        self.body.save()
+        self.body().save()
     }
 
     fn restore(&mut self, state: &BodyState) -> Result<(), String> {
-        self.parameters.apply(&mut self.body).map_err(|e| e.to_string())?;
-        self.body.restore(state)?;
+        self.apply_parameters().map_err(|e| e.to_string())?;
+        self.body_mut().restore(state)?;
         self.copy_to_outputs().map_err(|e| e.to_string())
     }
 }

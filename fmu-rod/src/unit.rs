@@ -1,10 +1,13 @@
 //! The unit: a rod with its scene, inputs and results.
 
-use rod::{BaseMotion, Energy, Error, RootSupport};
+use rod::{BaseMotion, Energy, Error, Loads, RootSupport};
 use scene::{Beam, RootMotion, Scene};
 
-use crate::body::{Body, either};
+use crate::body::{Body, Plan, either};
+use crate::from_scene;
 use crate::parameters::Parameters;
+
+const BUILT: &str = "an instance has a body";
 
 /// The unit of one rod of a scene.
 pub struct RodUnit {
@@ -15,7 +18,12 @@ pub struct RodUnit {
     pub beam: Beam,
     pub rod: scene::Rod,
     pub parameters: Parameters,
-    pub body: Body,
+    /// Parameters of the body that is built of them.
+    pub plan: Plan,
+    /// Loads of the next step.
+    pub loads: Loads,
+    /// None in a description.
+    body: Option<Body>,
     pub base: BaseInputs,
     /// Name of the load from a fluid and the reason for the choice; empty without a fluid.
     pub load: [String; 2],
@@ -47,30 +55,74 @@ fn base_motion<const D: usize>(vectors: BaseVectors) -> BaseMotion<D> {
 }
 
 impl RodUnit {
-    /// Build the unit with its rod at the place of time 0.
+    /// Return the unit without its body.
     pub fn new(name: String, scene: Scene, (beam, rod): (Beam, scene::Rod), load: [String; 2]) -> Result<Self, Error> {
-        let body = Body::new(&scene, &beam, &rod)?;
+        let plan = Plan::of(&scene, &beam, &rod);
+        either!(&plan, parameters => parameters.check()?);
         let (position, direction) = scene.beam_root(&beam);
         let angle = direction[1].atan2(direction[0]);
         let still = [0.0; 3];
-        let mut unit = Self {
+        Ok(Self {
             name,
-            parameters: Parameters::of(&body),
+            parameters: Parameters::of(&plan),
             load,
-            energy: either!(&body, rod => rod.energy()?),
+            loads: from_scene::loads(&scene, plan.dimension(), beam.segments + 1),
+            energy: Energy::default(),
             base: BaseInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
             scene,
             beam,
             rod,
-            body,
-        };
-        unit.place(0.0)?;
-        Ok(unit)
+            plan,
+            body: None,
+        })
+    }
+
+    /// Build the body, at the place of time 0.
+    pub fn build(&mut self) -> Result<(), Error> {
+        self.set_body(self.plan.build()?);
+        self.energy = either!(self.body(), rod => rod.energy()?);
+        self.place(0.0)
+    }
+
+    /// Build the body again if its parameters changed.
+    pub fn apply_parameters(&mut self) -> Result<(), Error> {
+        if Parameters::of(&self.plan) == self.parameters {
+            return Ok(());
+        }
+        let mut plan = self.plan.clone();
+        self.parameters.apply(&mut plan);
+        self.set_body(plan.build()?);
+        self.plan = plan;
+        Ok(())
+    }
+
+    fn set_body(&mut self, mut body: Body) {
+        either!(&mut body, rod => rod.loads = self.loads.clone());
+        self.body = Some(body);
+    }
+
+    pub fn body(&self) -> &Body {
+        self.body.as_ref().expect(BUILT)
+    }
+
+    pub fn body_mut(&mut self) -> &mut Body {
+        self.body.as_mut().expect(BUILT)
+    }
+
+    /// Return the number of stations.
+    pub fn stations(&self) -> usize {
+        self.beam.segments + 1
+    }
+
+    /// Return component `axis` of the nodal forces.
+    pub fn force_mut(&mut self, axis: usize) -> &mut [f64] {
+        let stations = self.stations();
+        &mut self.loads.force[axis * stations..(axis + 1) * stations]
     }
 
     /// Compute the energy, which several outputs read.
     pub fn copy_to_outputs(&mut self) -> Result<(), Error> {
-        self.energy = either!(&self.body, rod => rod.energy()?);
+        self.energy = either!(self.body(), rod => rod.energy()?);
         let Energy { stretching, bending, kinetic, gravity } = self.energy;
         let total = stretching + bending + kinetic + gravity;
         if total.is_finite() {
@@ -80,7 +132,7 @@ impl RodUnit {
     }
 
     pub fn support(&self) -> RootSupport {
-        either!(&self.body, rod => rod.parameters().support)
+        either!(&self.plan, parameters => parameters.support)
     }
 
     /// Return the motion of the root at time `t`; `None` for a root at rest.
@@ -94,12 +146,12 @@ impl RodUnit {
             }
             RootMotion::Master => {
                 let BaseInputs { position, velocity, angle, omega, direction, direction_rate } = self.base;
-                match self.body {
-                    Body::Planar(_) => {
+                match self.plan {
+                    Plan::Planar(_) => {
                         let (sin, cos) = angle.sin_cos();
                         [position, velocity, [cos, sin, 0.0], [-omega * sin, omega * cos, 0.0]]
                     }
-                    Body::Spatial(_) => [position, velocity, direction, direction_rate],
+                    Plan::Spatial(_) => [position, velocity, direction, direction_rate],
                 }
             }
         })
@@ -108,7 +160,7 @@ impl RodUnit {
     /// Place the rod at rest with its root in the state of time `t`, if the root moves.
     pub fn place(&mut self, t: f64) -> Result<(), Error> {
         match self.base_at(t) {
-            Some(base) => either!(&mut self.body, rod => rod.place(base_motion(base))),
+            Some(base) => either!(self.body_mut(), rod => rod.place(base_motion(base))),
             None => Ok(()),
         }
     }
@@ -116,12 +168,14 @@ impl RodUnit {
     /// Advance from `t` to `t + h`.
     pub fn step(&mut self, t: f64, h: f64) -> Result<(), Error> {
         if let Some(base) = self.base_at(t + h) {
-            either!(&mut self.body, rod => rod.base_motion = Some(base_motion(base)));
+            either!(self.body_mut(), rod => rod.base_motion = Some(base_motion(base)));
         }
         if let Some(towing) = self.rod.root.towing_force(t + h) {
-            either!(&mut self.body, rod => rod.towing = std::array::from_fn(|d| towing[d]));
+            either!(self.body_mut(), rod => rod.towing = std::array::from_fn(|d| towing[d]));
         }
-        self.body.step(h)?;
+        let (body, loads) = (self.body.as_mut().expect(BUILT), &self.loads);
+        either!(&mut *body, rod => rod.loads.copy_from(loads));
+        body.step(h)?;
         self.copy_to_outputs()
     }
 }

@@ -43,12 +43,12 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return a variable for each axis, made from its number and name.
 fn along_axes(unit: &RodUnit, make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
-    AXES[..unit.body.dimension()].iter().enumerate().map(move |(d, axis)| make(d, axis))
+    AXES[..unit.plan.dimension()].iter().enumerate().map(move |(d, axis)| make(d, axis))
 }
 
 /// Return `spatial` in space and `planar` in the plane, where quantities are per metre of depth.
 fn per<'a>(unit: &RodUnit, spatial: &'a str, planar: &'a str) -> &'a str {
-    if unit.body.dimension() == 2 { planar } else { spatial }
+    if unit.plan.dimension() == 2 { planar } else { spatial }
 }
 
 /// Return an output read from a body.
@@ -58,12 +58,12 @@ fn output(
     text: impl Into<String>,
     read: impl Fn(&Body) -> f64 + Send + Sync + 'static,
 ) -> Variable {
-    Real::computed(name, unit, text, move |m: &mut RodUnit| read(&m.body))
+    Real::computed(name, unit, text, move |m: &mut RodUnit| read(m.body()))
 }
 
 fn parameters(unit: &RodUnit) -> Vec<Variable> {
     let per = |spatial, planar| per(unit, spatial, planar);
-    let tapered = either!(&unit.body, rod => rod.parameters().taper != Taper::default());
+    let tapered = either!(&unit.plan, parameters => parameters.taper != Taper::default());
     let text = |text: &str| if tapered { format!("{text}, at the root") } else { text.to_string() };
     let mut list = vec![
         Real::parameter("line_density", per("kg/m", "kg/m2"), text("Mass of the section per length"), |m| {
@@ -90,7 +90,7 @@ fn parameters(unit: &RodUnit) -> Vec<Variable> {
         )
         .at_least(0.0),
     ];
-    if !unit.body.loads().impedance.is_empty() {
+    if !unit.loads.impedance.is_empty() {
         list.push(
             Real::parameter(
                 "displaced_line_density",
@@ -117,13 +117,13 @@ fn parameters(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return the loads on the stations.
 fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
-    let (loads, stations) = (unit.body.loads(), unit.body.stations());
+    let (loads, stations) = (&unit.loads, unit.stations());
     let mut list = Vec::new();
     if !loads.force.is_empty() {
         let text = "Load on the stations at the end of the step";
         list.extend(along_axes(unit, |d, axis| {
             let (name, unit) = (format!("force_{axis}"), per(unit, "N", "N/m"));
-            Real::input(name, unit, text, move |m| m.body.force_mut(d)).array(stations)
+            Real::input(name, unit, text, move |m| m.force_mut(d)).array(stations)
         }));
     }
     list.push(
@@ -131,19 +131,17 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
             "impedance",
             per(unit, "kg/s", "kg/(m.s)"),
             "Decrease of the load per velocity of the station",
-            |m| &mut m.body.loads_mut().impedance,
+            |m| &mut m.loads.impedance,
         )
         .at_least(0.0)
         .array(loads.impedance.len()),
     );
     list.push(
-        Real::input("pressure_jump", "Pa", "Pressure above minus below the beam", |m| {
-            &mut m.body.loads_mut().pressure_jump
-        })
-        .array(loads.pressure_jump.len()),
+        Real::input("pressure_jump", "Pa", "Pressure above minus below the beam", |m| &mut m.loads.pressure_jump)
+            .array(loads.pressure_jump.len()),
     );
     list.push(
-        Real::input("pressure", "Pa", "Pressure around the beam", |m| &mut m.body.loads_mut().pressure)
+        Real::input("pressure", "Pa", "Pressure around the beam", |m| &mut m.loads.pressure)
             .array(loads.pressure.len()),
     );
     list
@@ -153,7 +151,7 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
 fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     let mut list = Vec::new();
     let driven = |make: &dyn Fn(usize, &str) -> Variable| {
-        let axes = AXES[..unit.body.dimension()].iter().enumerate();
+        let axes = AXES[..unit.plan.dimension()].iter().enumerate();
         axes.filter(|(d, _)| slide_axis(unit) != Some(*d)).map(|(d, axis)| make(d, axis)).collect::<Vec<_>>()
     };
     list.extend(driven(&|d, axis| {
@@ -167,7 +165,7 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     if unit.support() == RootSupport::Pinned {
         return list;
     }
-    if unit.body.dimension() == 2 {
+    if unit.plan.dimension() == 2 {
         let text = "Angle of the beam at the root, from the x axis";
         list.push(Real::input("root.angle", "rad", text, |m| from_mut(&mut m.base.angle)));
         let text = "Rate of the angle at the root";
@@ -187,14 +185,14 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return the motion of the stations and of the tip, and force, power and work of the loads.
 fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
-    let stations = unit.body.stations();
+    let stations = unit.stations();
     let mut list = Vec::new();
     list.extend(along_axes(unit, |d, axis| {
-        Real::output(axis, "m", "Position of the stations", move |m| m.body.positions(d)).array(stations)
+        Real::output(axis, "m", "Position of the stations", move |m| m.body().positions(d)).array(stations)
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = "Velocity of the stations";
-        Real::output(format!("v{axis}"), "m/s", text, move |m| m.body.velocities(d)).array(stations)
+        Real::output(format!("v{axis}"), "m/s", text, move |m| m.body().velocities(d)).array(stations)
     }));
     list.extend(along_axes(unit, |d, axis| {
         output(
@@ -232,7 +230,7 @@ fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return angle and rate of a torsion spring at the root, in the plane.
 fn hinge_outputs(unit: &RodUnit) -> Vec<Variable> {
-    let spring = matches!(unit.support(), RootSupport::TorsionSpring { .. }) && unit.body.dimension() == 2;
+    let spring = matches!(unit.support(), RootSupport::TorsionSpring { .. }) && unit.plan.dimension() == 2;
     if !spring {
         return Vec::new();
     }
@@ -267,7 +265,7 @@ fn slide_outputs(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return the axis along which the root slides.
 fn slide_axis(unit: &RodUnit) -> Option<usize> {
-    either!(&unit.body, rod => rod.parameters().slide.map(|slide| slide.axis))
+    either!(&unit.plan, parameters => parameters.slide.map(|slide| slide.axis))
 }
 
 /// Return force, moment, power and work of a drive or of a towing force.
@@ -298,7 +296,7 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
         let text = "Driving moment about the root";
         output(name, unit, text, move |body| either!(body, rod => rod.state().drive.moment[d]))
     };
-    if turns && unit.body.dimension() == 2 {
+    if turns && unit.plan.dimension() == 2 {
         list.push(moment("root.moment", "N.m/m", 2));
     } else if turns {
         list.extend(along_axes(unit, |d, axis| moment(&format!("root.moment_{axis}"), "N.m", d)));
@@ -331,7 +329,7 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
 fn energy_and_newton_outputs(unit: &RodUnit) -> [Variable; 7] {
     let unit = per(unit, "J", "J/m");
     let count = |name: &str, text: &str, of: fn(Statistics) -> usize| {
-        Integer::count(name, text, move |m| of(m.body.statistics()))
+        Integer::count(name, text, move |m| of(m.body().statistics()))
     };
     [
         Real::computed("energy.elastic", unit, "Energy of extension, bending and shear", |m| {

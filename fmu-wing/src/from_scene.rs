@@ -1,10 +1,10 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
 use scene::{Fluid, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
-use wing::{Error, Membrane, Parameters, RigidMotion, Root, Support, Vein};
+use wing::{Membrane, Parameters, RigidMotion, Root, Support, Vein};
 
 /// Return the parameters of the wing of a scene, in its fluid if it has one.
-pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters, Error> {
+pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Parameters {
     let mesh = own.mesh.build();
     let chain = |name: &str| mesh.chain(name).unwrap_or_default().to_vec();
     let root = Root {
@@ -34,7 +34,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
         poisson_ratio: membrane.poisson_ratio,
         tension: membrane.tension,
     });
-    Ok(Parameters {
+    Parameters {
         veins: veins.collect(),
         membranes: membranes.collect(),
         regions: own.materials(&mesh),
@@ -45,7 +45,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
         scheme: own.scheme,
         max_step: own.max_step,
         mesh,
-    })
+    }
 }
 
 /// Return the largest length of a cell, m.

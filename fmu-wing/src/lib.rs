@@ -12,12 +12,19 @@ const BYTES_PER_NODE: usize = 20_000;
 /// Memory of a copy of the state, rounded up, bytes per node.
 const STATE_BYTES_PER_NODE: usize = 300;
 
+const BUILT: &str = "an instance has a solver";
+
 /// The unit of a wing.
 pub struct WingUnit {
     scene: Scene,
     own: scene::Wing,
     parameters: Parameters,
-    wing: Wing,
+    /// Parameters of the wing that is built of them.
+    rest: wing::Parameters,
+    /// Loads of the next step.
+    loads: Loads,
+    /// None in a description.
+    wing: Option<Wing>,
     energy: Energy,
     damping_power: f64,
     crossings: usize,
@@ -36,64 +43,82 @@ pub struct Parameters {
 }
 
 impl WingUnit {
-    fn new(scene: Scene, own: scene::Wing) -> Result<Self, Error> {
-        let parameters = from_scene::parameters(&own, scene.fluid.as_ref())?;
-        let nodes = parameters.mesh.nodes.len();
+    fn new(scene: Scene, own: scene::Wing) -> Result<Self, String> {
+        let rest = from_scene::parameters(&own, scene.fluid.as_ref());
+        let nodes = rest.mesh.nodes.len();
+        require_memory(BYTES_PER_NODE * nodes)?;
+        rest.check().map_err(|e| e.to_string())?;
         let distance =
-            |k: &usize| -> f64 { parameters.mesh.nodes[*k].iter().zip(own.pivot).map(|(x, o)| (x - o).powi(2)).sum() };
-        let tip = (0..nodes).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-        let membrane = parameters.membranes.first().copied();
-        let wing::Parameters { gravity, relaxation_time, displaced_density, .. } = parameters;
-        let mut wing = parameters.build()?;
-        wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes], ..Loads::default() };
-        let mut unit = Self {
-            parameters: Parameters { membrane, gravity, relaxation_time, displaced_density },
+            |k: &usize| -> f64 { rest.mesh.nodes[*k].iter().zip(own.pivot).map(|(x, o)| (x - o).powi(2)).sum() };
+        let wing::Parameters { gravity, relaxation_time, displaced_density, .. } = rest;
+        Ok(Self {
+            tip: (0..nodes).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0),
+            parameters: Parameters {
+                membrane: rest.membranes.first().copied(),
+                gravity,
+                relaxation_time,
+                displaced_density,
+            },
+            loads: Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes], ..Loads::default() },
             energy: Energy::default(),
             damping_power: 0.0,
             crossings: 0,
-            tip,
+            wing: None,
+            rest,
             scene,
             own,
-            wing,
-        };
-        unit.place(0.0)?;
-        unit.copy_to_outputs()?;
-        Ok(unit)
+        })
+    }
+
+    /// Return the number of nodes.
+    fn nodes(&self) -> usize {
+        self.rest.mesh.nodes.len()
+    }
+
+    fn wing(&self) -> &Wing {
+        self.wing.as_ref().expect(BUILT)
+    }
+
+    fn wing_mut(&mut self) -> &mut Wing {
+        self.wing.as_mut().expect(BUILT)
     }
 
     /// Rebuild the wing if its parameters changed.
     fn apply(&mut self) -> Result<(), Error> {
         let Parameters { membrane, gravity, relaxation_time, displaced_density } = self.parameters;
-        let mut parameters = self.wing.parameters().clone();
-        if parameters.membranes.first().copied() == membrane
-            && (parameters.gravity, parameters.relaxation_time, parameters.displaced_density)
+        let known = &self.rest;
+        if known.membranes.first().copied() == membrane
+            && (known.gravity, known.relaxation_time, known.displaced_density)
                 == (gravity, relaxation_time, displaced_density)
         {
             return Ok(());
         }
-        parameters.membranes.iter_mut().zip(membrane).for_each(|(own, membrane)| *own = membrane);
-        (parameters.gravity, parameters.relaxation_time) = (gravity, relaxation_time);
-        parameters.displaced_density = displaced_density;
-        let mut rebuilt = parameters.build()?;
-        rebuilt.loads = std::mem::take(&mut self.wing.loads);
-        rebuilt.base_motion = self.wing.base_motion;
-        self.wing = rebuilt;
+        let mut rest = wing::Parameters { gravity, relaxation_time, displaced_density, ..known.clone() };
+        rest.membranes.iter_mut().zip(membrane).for_each(|(own, membrane)| *own = membrane);
+        self.set_wing(rest.clone().build()?);
+        self.rest = rest;
         Ok(())
+    }
+
+    fn set_wing(&mut self, mut wing: Wing) {
+        wing.loads = self.loads.clone();
+        self.wing = Some(wing);
     }
 
     /// Place the wing at rest on its base, in the state of the base at time `t`, if the base moves.
     fn place(&mut self, t: f64) -> Result<(), Error> {
         match &self.own.root_motion {
-            Some(laws) => self.wing.place(from_scene::pose(laws, t)),
+            Some(laws) => self.wing.as_mut().expect(BUILT).place(from_scene::pose(laws, t)),
             None => Ok(()),
         }
     }
 
     /// Compute what several outputs read, or what a step may fail to give.
     fn copy_to_outputs(&mut self) -> Result<(), Error> {
-        self.energy = self.wing.energy()?;
-        self.crossings = self.wing.crossings();
-        self.damping_power = if self.parameters.relaxation_time > 0.0 { self.wing.damping_power()? } else { 0.0 };
+        let wing = self.wing.as_mut().expect(BUILT);
+        self.energy = wing.energy()?;
+        self.crossings = wing.crossings();
+        self.damping_power = if self.parameters.relaxation_time > 0.0 { wing.damping_power()? } else { 0.0 };
         Ok(())
     }
 }
@@ -107,9 +132,12 @@ impl Model for WingUnit {
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let Some(own) = scene.wing.clone() else { return Err(format!("the scene {:?} has no wing", scene.name)) };
-        let nodes = from_scene::parameters(&own, None).map_err(|e| e.to_string())?.mesh.nodes.len();
-        require_memory(BYTES_PER_NODE * nodes)?;
-        Self::new(scene, own).map_err(|e| e.to_string())
+        Self::new(scene, own)
+    }
+
+    fn build(&mut self) -> Result<(), String> {
+        self.set_wing(self.rest.clone().build().map_err(|e| e.to_string())?);
+        self.place(0.0).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
     }
 
     fn description(&self) -> Description {
@@ -134,15 +162,17 @@ impl Model for WingUnit {
             .and_then(|()| self.place(start))
             .and_then(|()| self.copy_to_outputs())
             .map_err(|e| e.to_string())?;
-        log.info(format_args!("{} nodes, start at t = {start} s", self.wing.nodes()));
+        log.info(format_args!("{} nodes, start at t = {start} s", self.nodes()));
         Ok(())
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
-        self.wing.base_motion = self.own.root_motion.as_ref().map(|laws| from_scene::pose(laws, t + h));
-        self.wing.step(h).and_then(|()| self.copy_to_outputs()).map_err(|e| format!("{e}, {}", span()))?;
-        let Statistics { iterations, substeps, halvings, rescues, .. } = self.wing.statistics();
+        let wing = self.wing.as_mut().expect(BUILT);
+        wing.base_motion = self.own.root_motion.as_ref().map(|laws| from_scene::pose(laws, t + h));
+        wing.loads.copy_from(&self.loads);
+        wing.step(h).and_then(|()| self.copy_to_outputs()).map_err(|e| format!("{e}, {}", span()))?;
+        let Statistics { iterations, substeps, halvings, rescues, .. } = self.wing().statistics();
         if rescues > 0 || halvings > 0 {
             log.info(format_args!(
                 "{rescues} solves needed a line search, {substeps} sub-steps after {halvings} halvings, {iterations} \
@@ -154,16 +184,16 @@ impl Model for WingUnit {
     }
 
     fn state_bytes(&self) -> usize {
-        STATE_BYTES_PER_NODE * self.wing.nodes()
+        STATE_BYTES_PER_NODE * self.nodes()
     }
 
     fn save(&self) -> wing::WingState {
-        self.wing.state().clone()
+        self.wing().state().clone()
     }
 
     fn restore(&mut self, state: &wing::WingState) -> Result<(), String> {
         self.apply().map_err(|e| e.to_string())?;
-        self.wing.restore(state).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
+        self.wing_mut().restore(state).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
     }
 }
 

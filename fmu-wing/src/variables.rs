@@ -62,47 +62,47 @@ fn parameters(unit: &WingUnit) -> Vec<Variable> {
 
 /// Return the loads on the nodes.
 fn inputs(unit: &WingUnit) -> Vec<Variable> {
-    let nodes = unit.wing.nodes();
+    let nodes = unit.nodes();
     let mut list: Vec<_> = along_axes(|d, axis| {
         let text = "Load on the nodes at the end of the step";
-        Real::input(format!("force_{axis}"), "N", text, move |m| &mut m.wing.loads.force[d * nodes..(d + 1) * nodes])
+        Real::input(format!("force_{axis}"), "N", text, move |m| &mut m.loads.force[d * nodes..(d + 1) * nodes])
             .array(nodes)
     })
     .collect();
     let text = "Decrease of the load per velocity of the node";
-    list.push(Real::input("impedance", "kg/s", text, |m| &mut m.wing.loads.impedance).at_least(0.0).array(nodes));
+    list.push(Real::input("impedance", "kg/s", text, |m| &mut m.loads.impedance).at_least(0.0).array(nodes));
     list
 }
 
 /// Return the motion of the nodes, the exchange with loads and base, the energies and the effort of the last step.
 fn outputs(unit: &WingUnit) -> Vec<Variable> {
-    let nodes = unit.wing.nodes();
+    let nodes = unit.nodes();
     let output = |name: &str, of: &str, text: &str, read: fn(&WingUnit) -> f64| {
         Real::computed(name, of, text, move |m: &mut WingUnit| read(m))
     };
     let mut list = Vec::new();
     list.extend(along_axes(|d, axis| {
-        Real::output(axis, "m", "Position of the nodes", move |m| m.wing.positions(d)).array(nodes)
+        Real::output(axis, "m", "Position of the nodes", move |m| m.wing().positions(d)).array(nodes)
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Velocity of the nodes";
-        Real::output(format!("v{axis}"), "m/s", text, move |m| m.wing.velocities(d)).array(nodes)
+        Real::output(format!("v{axis}"), "m/s", text, move |m| m.wing().velocities(d)).array(nodes)
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Displacement of the node farthest from the pivot";
         Real::computed(format!("tip.u{axis}"), "m", text, move |m| {
-            m.wing.positions(d)[m.tip] - m.wing.parameters().mesh.nodes[m.tip][d]
+            m.wing().positions(d)[m.tip] - m.rest.mesh.nodes[m.tip][d]
         })
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Velocity of the node farthest from the pivot";
-        Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing.velocities(d)[m.tip])
+        Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing().velocities(d)[m.tip])
     }));
     if unit.own.root_motion.is_some() {
         list.extend(along_axes(|d, axis| {
             let text = "Displacement of that node on a rigid wing";
             Real::computed(format!("rigid_tip.u{axis}"), "m", text, move |m| {
-                let (base, node) = (&m.wing.state().own, m.wing.parameters().mesh.nodes[m.tip]);
+                let (base, node) = (&m.wing().state().own, m.rest.mesh.nodes[m.tip]);
                 let arm: [f64; 3] = std::array::from_fn(|e| node[e] - m.own.pivot[e]);
                 base.displacement[d] + (0..3).map(|e| base.rotation[d][e] * arm[e]).sum::<f64>() - arm[d]
             })
@@ -110,37 +110,37 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
     }
     list.extend(along_axes(|d, axis| {
         let text = "Sum of the loads on the nodes at the end of the step";
-        Real::computed(format!("load.{axis}"), "N", text, move |m| m.wing.state().exchange.force[d])
+        Real::computed(format!("load.{axis}"), "N", text, move |m| m.wing().state().exchange.force[d])
     }));
     list.push(output("load.power", "W", "Power of the loads at the end of the step", |m| {
-        m.wing.state().exchange.power
+        m.wing().state().exchange.power
     }));
     list.push(output("load.work", "J", "Work of the loads since the start: the sum of power times step", |m| {
-        m.wing.state().exchange.work
+        m.wing().state().exchange.work
     }));
     if unit.own.root.is_some() {
         list.extend(along_axes(|d, axis| {
             let text = "Force of the base on the root";
-            Real::computed(format!("root.force_{axis}"), "N", text, move |m| m.wing.state().drive.force[d])
+            Real::computed(format!("root.force_{axis}"), "N", text, move |m| m.wing().state().drive.force[d])
         }));
         list.extend(along_axes(|d, axis| {
             let (name, text) = (format!("root.moment_{axis}"), "Moment of the base about the pivot");
-            Real::computed(name, "N.m", text, move |m| m.wing.state().drive.moment[d])
+            Real::computed(name, "N.m", text, move |m| m.wing().state().drive.moment[d])
         }));
         list.push(output("root.power", "W", "Power of the base at the end of the step", |m| {
-            m.wing.state().drive.power
+            m.wing().state().drive.power
         }));
         list.push(output("root.work", "J", "Work of the base since the start: the sum of power times step", |m| {
-            m.wing.state().drive.work
+            m.wing().state().drive.work
         }));
     }
-    if unit.wing.twist().is_some() {
+    if unit.rest.have_section() {
         let text =
             "Turn of the chord at three quarters of the span about the span, from its direction on the base at rest";
-        list.push(output("section.twist", "rad", text, |m| m.wing.twist().unwrap_or_default()));
+        list.push(output("section.twist", "rad", text, |m| m.wing().twist().unwrap_or_default()));
         let text =
             "Largest distance of the membrane from that chord, by its length, positive along the triangles' normal";
-        list.push(output("section.camber", "1", text, |m| m.wing.camber().unwrap_or_default()));
+        list.push(output("section.camber", "1", text, |m| m.wing().camber().unwrap_or_default()));
     }
     list.push(output("damping.power", "W", "Power lost by damping at the end of the step", |m| m.damping_power));
     list.extend([
@@ -149,13 +149,13 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         }),
         Real::output("energy.kinetic", "J", "Kinetic energy", |m| from_ref(&m.energy.kinetic)),
         Real::output("energy.gravity", "J", "Potential energy in gravity, 0 at rest", |m| from_ref(&m.energy.gravity)),
-        Integer::count("newton.iterations", "Newton iterations of the last step", |m| m.wing.statistics().iterations),
-        Integer::count("newton.substeps", "Sub-steps of the last step", |m| m.wing.statistics().substeps),
+        Integer::count("newton.iterations", "Newton iterations of the last step", |m| m.wing().statistics().iterations),
+        Integer::count("newton.substeps", "Sub-steps of the last step", |m| m.wing().statistics().substeps),
         Integer::count("newton.rescues", "Solves of the last step that needed a line search", |m| {
-            m.wing.statistics().rescues
+            m.wing().statistics().rescues
         }),
         Integer::count("newton.factorisations", "Factorisations of the last step", |m| {
-            m.wing.statistics().factorisations
+            m.wing().statistics().factorisations
         }),
         Integer::count("crossings", "Pairs of triangles that cross each other", |m| m.crossings),
     ]);

@@ -114,9 +114,10 @@ class Run(results.Results):
         """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         self._require(names)
         _prepare_notebook()
+        from nervure.evaluate import benchmark
         from nervure.output import plots
 
-        return plots.over_time({self.scene.name: self}, names, self.scene.reference)
+        return plots.over_time({self.scene.name: self}, names, benchmark.reference(self.scene))
 
     def _require(self, names: Iterable[str]) -> None:
         """Raise `InputError` where one of `names` was not recorded."""
@@ -179,7 +180,7 @@ class RunError(Exception):
 
 
 def inspect(scene: Scene | str | Path) -> None:
-    """Print what `nervure inspect` prints of a scene, an object or a name; it makes steps for half a second. Raise
+    """Print what `nervure inspect` prints of a scene, an object or a name; it makes some steps. Raise
     `InputError` where the scene cannot be used."""
     from nervure.output import console, inspection
 
@@ -300,17 +301,13 @@ def _run(
     on_step: OnStep | None = None,
 ) -> Run:
     """Run a session to its end or an interruption, with everything that watches it; call `started` before its start."""
-    from nervure.output import console, fields, plots
+    from nervure.output import console, fields
+    from nervure.output.pictures import Pictures
 
     caller, keeper, page = Caller(on_step or (lambda _time, _values: None)), None, None
     with session, ExitStack() as stack:
         if options["fields_every"] is not None:
             session.observers.append(fields.Fields(session, options["fields_every"], console.warn))
-        session.observers.append(plots.Pictures(session))
-        if mesh := session.facts.wing:
-            from nervure.output.wings import Shape
-
-            session.observers.append(Shape(session, mesh))
         if options["checkpoint_every"] is not None or all(unit.can_serialize for unit in session.units.values()):
             keeper = checkpoint.Checkpoint(session, options, console.warn)
             session.observers.append(keeper)
@@ -329,6 +326,7 @@ def _run(
             session.observers.append(page)
             console.text_console().print(f"live: {page.url}", markup=False, soft_wrap=True)
             page.open()
+        session.observers.append(Pictures(session))  # Last: the table is printed before
         started()
         with interruptible() as stopping:
             session.run(lambda: caller.stopped or (page is not None and page.stopped) or stopping())

@@ -6,7 +6,6 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 input cannot be used, 130 interr
 
 import ast
 import gc
-import importlib.metadata
 import json
 import os
 import shutil
@@ -19,12 +18,13 @@ from typing import Annotated
 
 import typer
 
+import nervure
 from nervure.errors import InputError, UnitFailure
 from nervure.resources import SOURCE
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
 
-GARBAGE = 50_000
+GARBAGE = 200_000
 """New objects between two collections of cycles. With the default of 700, Python would spend a tenth of the start of a
 run on them."""
 
@@ -101,7 +101,7 @@ app = typer.Typer(
 
 def _print_version(asked: bool) -> None:
     if asked:
-        typer.echo(f"nervure {importlib.metadata.version('nervure')}")
+        typer.echo(f"nervure {nervure.__version__}")
         raise typer.Exit
 
 
@@ -432,8 +432,8 @@ def sweep(
     if list_runs:
         for case in cases:
             row = sweeps.earlier_row(case, folder)
-            told = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
-            console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
+            state = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
+            console.print(f"{case.folder}: {state}", markup=False, soft_wrap=True)
         return
     try:
         rows = api.run_cases(console, cases, todo, folder, scheduler=scheduler, workers=workers, force=force)
@@ -479,6 +479,7 @@ def main() -> None:
     accept_all_signs()
     gc.set_threshold(GARBAGE)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads spin
+    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # Their search reads what is known of all packages
     os.environ["MPLBACKEND"] = "agg"  # A notebook hands its own on, which may not be installed here
     try:
         app()

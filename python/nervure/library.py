@@ -66,7 +66,7 @@ def _path(kind: str) -> Path:
 
 
 def is_built(kind: str) -> bool:
-    """Whether there is a library of unit `kind`."""
+    """Return whether there is a library of unit `kind`."""
     return _path(kind).is_file()
 
 
@@ -75,31 +75,24 @@ def check(text: str, original: str | None = None) -> list[Fault]:
 
     Places are those in `original`, the text before changes; by default those in `text`.
     """
-    return [Fault(**fault) for fault in json.loads(_answer("fmu_scene_check", text, original))]
+    return [Fault(**fault) for fault in json.loads(_answer(_function("fmu_scene_check"), text, original))]
 
 
 def facts(text: str) -> dict[str, Any] | None:
     """Return the facts of a scene (`Facts` in `crates/scene`); None for a scene with faults."""
-    found: dict[str, Any] | None = json.loads(_answer("fmu_scene_facts", text))
+    found: dict[str, Any] | None = json.loads(_answer(_function("fmu_scene_facts"), text))
     return found
 
 
-def monitor(places: dict[str, Any], scene: str) -> dict[str, Any]:
-    """Return the new `warnings` about places of a run at one time, and the `memory` for the next (`monitor_text` in
-    `crates/scene`)."""
-    answer: dict[str, Any] = json.loads(_answer("fmu_scene_monitor", json.dumps(places), scene))
-    return answer
+def monitor(scene: str) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """Return a function of places of a run at one time, which returns the new `warnings` about them and the `memory`
+    for the next time (`monitor_text` in `crates/scene`)."""
+    function = _function("fmu_scene_monitor")
+    return lambda places: json.loads(_answer(function, json.dumps(places), scene))
 
 
-def _answer(name: str, *texts: str | None) -> str:
-    """Return the answer of a function of the rod's library; the fluid's has the same."""
-    path = library("rod")
-    try:
-        function = ctypes.CDLL(str(path))[name]
-    except AttributeError as error:
-        remedy = "`make build` builds it again"
-        raise SceneError(f"the library {path} is older than this nervure; {remedy}") from error
-    function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
+def _answer(function: Callable[..., int], *texts: str | None) -> str:
+    """Return the answer of a function of the library."""
     encoded = [None if text is None else text.encode("utf-8", "surrogatepass") for text in texts]
     refused, answer = _written(partial(function, *encoded, *[None] * (2 - len(encoded))))
     if refused:
@@ -107,13 +100,26 @@ def _answer(name: str, *texts: str | None) -> str:
     return answer
 
 
+def _function(name: str) -> Callable[..., int]:
+    """Return a function of the rod's library; the fluid's has the same."""
+    path = library("rod")
+    try:
+        function = ctypes.CDLL(str(path))[name]
+    except AttributeError as error:
+        remedy = "`make build` builds it again"
+        raise SceneError(f"the library {path} is older than this nervure; {remedy}") from error
+    function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
+    return function
+
+
 def _written(function: Callable[..., int]) -> tuple[int, str]:
     """Return code and text of a C function that writes a text where there is room for it."""
-    needed, buffer, code = ctypes.c_size_t(1 << 20), ctypes.create_string_buffer(1), 0
+    needed, buffer, code = ctypes.c_size_t(1 << 20), bytearray(), 0
     while len(buffer) < needed.value:
-        buffer = ctypes.create_string_buffer(needed.value)
-        code = function(buffer, len(buffer), ctypes.byref(needed))
-    return code, buffer.value.decode("utf-8")
+        buffer = bytearray(needed.value)
+        there = (ctypes.c_char * len(buffer)).from_buffer(buffer)  # Unlike a buffer of ctypes, it is not filled first
+        code = function(there, len(buffer), ctypes.byref(needed))
+    return code, there.value.decode("utf-8")
 
 
 def describe(kind: str, text: str, version: int = 2) -> str:
@@ -128,8 +134,8 @@ def describe(kind: str, text: str, version: int = 2) -> str:
     function.argtypes = [ctypes.c_char_p, *BUFFER]
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
-        refused, said = _written(partial(function, os.fsencode(resources)))
+        refused, answer = _written(partial(function, os.fsencode(resources)))
     if refused:
         faults = check(text)
-        raise SceneError("\n".join(fault.text for fault in faults) or said, faults)
-    return said
+        raise SceneError("\n".join(fault.text for fault in faults) or answer, faults)
+    return answer

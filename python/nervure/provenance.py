@@ -1,4 +1,4 @@
-"""Provenance of a result: the revision of the sources and the machine."""
+"""Provenance of a result: the revision of the sources, the machine, and versions of packages."""
 
 import os
 import platform
@@ -53,3 +53,10 @@ def cpu_model() -> str:
         return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
     except (OSError, StopIteration):
         return platform.processor()
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages behind the numbers."""
+    from importlib.metadata import version  # which takes longer to import than to ask
+
+    return {"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")}

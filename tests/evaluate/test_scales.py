@@ -202,6 +202,31 @@ def test_forces_along_the_own_axes_follow_a_body_that_turns():
     assert found == pytest.approx((4 / np.pi, 0.0, 0.0), abs=1e-6), found
 
 
+@pytest.mark.parametrize("axes", ["x", "y", "z", "xz", "xyz"])
+def test_an_oscillation_along_any_line_has_its_keulegan_carpenter_number(axes):
+    """Of an amplitude of 0.1 m and a diameter of 1 m, 0.2 pi."""
+    law = {"sine": {"amplitude": 0.1 / np.sqrt(len(axes)), "frequency": 2.0}}
+    driven = facts({"shape": {"sphere": {"radius": 0.5}}, "motion": dict.fromkeys(axes, law)}, stream=(0, 0, 0))
+    found = bodies.evaluate(driven, columns("body_1", FORCE), WINDOW, 0.0)["body_1"]
+    assert found.kc == pytest.approx(0.2 * np.pi), found.kc
+    assert found.reference.drag == pytest.approx([(axis in axes) / np.sqrt(len(axes)) for axis in "xyz"])
+
+
+def test_two_oscillations_out_of_phase_have_no_keulegan_carpenter_number():
+    laws = {axis: {"sine": {"amplitude": 0.1, "frequency": 2.0, "phase": at}} for axis, at in (("x", 0.0), ("z", 1.0))}
+    driven = facts({"shape": {"sphere": {"radius": 0.5}}, "motion": laws})
+    assert bodies.evaluate(driven, columns("body_1", FORCE), WINDOW, 0.0)["body_1"].kc is None
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_stream_that_swings_past_a_body_at_rest_sets_its_drag(axis):
+    own = scene({"shape": {"sphere": {"radius": 0.5}}})
+    own["fluid"]["mean_flow"] = {axis: {"sine": {"amplitude": 1.0, "frequency": 2.0, "ramp": 0.25}}}
+    own["fluid"]["initial_velocity"] = [0.0, 0.0, 0.0]
+    found = Facts(validate(own))
+    assert found.stream is None and found.scales["body_1"].drag == tuple(float(a == axis) for a in "xyz")
+
+
 def test_a_wing_has_re_reduced_frequency_mass_ratio_and_lift_along_its_normal():
     wing = {
         "mesh": {"rectangular": {"length": 0.5, "width": 1.0, "along": 4}},

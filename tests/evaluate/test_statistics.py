@@ -166,6 +166,7 @@ def test_the_box_filter_keeps_straight_lines_and_weakens_a_sine_by_its_sinc():
 def test_the_force_filter_is_narrow_against_a_period():
     assert statistics.force_filter_width(statistics.Window(0, 10, 5)) == 5e-3
     assert statistics.force_filter_width(statistics.Window(0, 0.5, 5)) == pytest.approx(2e-3)
+    assert statistics.force_filter_width(statistics.Window(4e-3, 6e-3, 0)) == pytest.approx(4e-5)
 
 
 def test_an_oscillation_that_ended_long_ago_is_no_part_of_the_window():
@@ -192,6 +193,15 @@ def test_a_drive_leaves_its_first_period_out():
     window = statistics.driven_window(TIME, drive, drive)
     assert (window.periods, window.driven) == (7, True), window
     assert (window.begin, window.end) == pytest.approx((0.1 + period, TIME[-1])), window
+
+
+def test_of_two_periods_of_a_drive_the_last_is_the_window():
+    """Also where the drive rises through its mean early in the first third, as the stroke of `wing-hover` does."""
+    for start in (0.05, 0.25, 0.6):
+        drive = np.sin(4 * np.pi * (TIME / TIME[-1] - start / 2)) * np.minimum(4 * TIME / TIME[-1], 1)
+        window = statistics.driven_window(TIME, drive + 0.01, drive)
+        assert (window.periods, window.driven) == (1, True), (start, window)
+        assert (window.begin, window.end) == pytest.approx((TIME[-1] / 2, TIME[-1]), rel=1e-3), (start, window)
 
 
 @pytest.mark.parametrize("driven", [True, False])

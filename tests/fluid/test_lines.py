@@ -8,7 +8,7 @@ from nervure.errors import SceneError
 from nervure.output import flow
 from nervure.scene import validate
 from nervure.scene.facts import Facts
-from studies import simulate, thin
+from studies import simulate, slit, thin
 
 FLAG = [
     "fluid.box.cells=[128,64]", "time.communication_step=0.008", "fluid.time_stepping.max_step=0.008",
@@ -54,6 +54,15 @@ def test_the_error_of_the_tip_falls_with_the_step(mass, tmp_path):
     fine = way(0.001)
     coarse, half = (np.abs(way(step) - fine).max() / np.abs(fine).max() for step in (0.008, 0.004))
     assert half < 0.4 * coarse < 0.004, (coarse, half)
+
+
+@pytest.mark.parametrize("angle", slit.ANGLES)
+def test_a_plate_of_no_thickness_has_the_forces_of_a_mesh_with_a_slit(angle, tmp_path):
+    """On 24 cells a chord, after an impulsive start at Re 100."""
+    case = slit.case(angle, 24, "mean", slit.changes(angle, 24))
+    found = slit.measured(case, tmp_path)["values"]
+    for name, expected in case.about["expected"].items():
+        assert found[name] == pytest.approx(expected, rel=0.02), (name, found[name], expected)
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from nervure.scene.solids import PLACE, TURN, placed, rotation
 from nervure.simulation.results import FLUID_FIELDS
 from nervure.simulation.session import Session
 from nervure.units.fmu import read_description
-from tests.conftest import TOOL
+from tests.conftest import TOOL, goes_back_and_on
 
 SPHERE = {
     "name": "sphere",
@@ -292,8 +292,7 @@ def test_q_is_that_of_a_vortex_and_of_a_strain():
 def test_a_unit_in_space_goes_back_and_on_in_another_instance(version, instantiate):
     scene = changed(precision="single") | {"time": {"end": 0.2, "communication_step": 0.02}}
     scene["fluid"]["bodies"][0]["motion"] = {"y": {"sine": {"amplitude": 0.1, "frequency": 3.0}}}
-    units = [instantiate(scene, version)["fluid"] for _ in range(2)]
-    one, other = units
+    first, second = (instantiate(scene, version)["fluid"] for _ in range(2))
 
     def shown(unit, begin):
         for step in range(begin, begin + 3):
@@ -301,17 +300,10 @@ def test_a_unit_in_space_goes_back_and_on_in_another_instance(version, instantia
         unit.get()
         return np.concatenate([unit.outputs, *(unit.field(name).ravel() for name in ("u", "w", "p", "vorticity_x"))])
 
-    for unit in units:
+    for unit in (first, second):
         unit.connect([], ["drag", "body[1].y", "kinetic_energy"])
         unit.start()
-    shown(one, 0)
-    one.save()
-    state = one.serialize()
-    first = shown(one, 3)
-    one.restore()
-    assert np.array_equal(shown(one, 3), first)
-    other.deserialize(state)
-    assert np.array_equal(shown(other, 3), first)
+    goes_back_and_on(first, second, shown, 3)
 
 
 def test_a_unit_of_fmi_3_has_few_variables_and_no_fault(packed):

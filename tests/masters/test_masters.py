@@ -68,7 +68,8 @@ every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirec
 
 def ours(units: dict[str, Unit], order: type[coupling.Explicit] = coupling.ParallelExplicit) -> dict[str, np.ndarray]:
     """Real outputs by `unit.name` at the end of the run."""
-    scheme = order([units["rod"]], units["fluid"]) if len(units) == 2 else coupling.Single(next(iter(units.values())))
+    pair = len(units) == 2
+    scheme = order([units["rod"]], units["fluid"]) if pair else coupling.SingleUnit(next(iter(units.values())))
     scheme.start()
     for i in range(STEPS):
         scheme.step(i * H, H)

@@ -202,7 +202,7 @@ def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
     wall, found = 0.0, []
     for done in range(12):
         pace.see(done, wall)
-        found.append(pace.whole)
+        found.append(pace.total)
         step = 5.0 if done < forecast.WARM_UP else 0.03
         wall, fluid.seconds = wall + step, fluid.seconds + step * 2 / 3
     assert found[: forecast.WARM_UP + 1] == [None] * (forecast.WARM_UP + 1)

@@ -12,10 +12,22 @@ from PIL import Image
 import nervure
 from nervure.errors import InputError
 from nervure.evaluate import benchmark, statistics
-from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title, unit_in
+from nervure.output import (
+    animation,
+    console,
+    displayed_unit,
+    flow,
+    in_words,
+    layout,
+    lengths_in,
+    plots,
+    sweeps,
+    title,
+    unit_in,
+)
 from nervure.scene import validate
 from nervure.scene.facts import Facts
-from nervure.scene.types import PublishedQuantity, Reference
+from nervure.scene.types import Display, PublishedQuantity, Reference
 from nervure.simulation.sweep import FINISHED
 from studies import limits
 from tests.conftest import nervure as command
@@ -89,8 +101,12 @@ def check_bar(figure, name):
     assert outline.y0 == pytest.approx(low, abs=1) and outline.y1 == pytest.approx(high, abs=1), name
 
 
-def test_pictures_of_a_run(figures, pitching, tmp_path):
-    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05, quiet=True)
+def test_pictures_of_a_run(figures, pitching, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(console, "FILE_INTERVAL", 0.5)
+    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05)
+    shown = capsys.readouterr().out
+    told = [words in shown for words in ("left, tip_ux", "tip_uy mean [chords]", "phase lag [deg]", " mm")]
+    assert told == [True, True, True, False], shown
     run.animate()
     assert {"tip.png", "drag.png", "lift.png", "flapping.png", "vorticity.png", "phases.png"} == figures.keys()
     for name, figure in figures.items():
@@ -154,7 +170,7 @@ def test_a_sweep_shows_of_a_lift_what_is_larger(mean, shown):
     assert [name for name, *_ in found[:2]] == ["drag_mean", shown] and {unit for *_, unit in found} == {"N"}, found
 
 
-def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
+def test_a_changed_benchmark_has_neither_its_title_nor_its_values(periodic):
     shipped = nervure.load("flag-line-480x240")
     finer, other = (
         shipped.copy({"name": "my-flag", **changed})
@@ -162,6 +178,17 @@ def test_a_changed_benchmark_has_neither_its_title_nor_its_values():
     )
     assert title(finer, 9) == title(shipped, 9) and benchmark.reference(finer) == shipped.reference is not None
     assert title(other, 9) == "my flag" and benchmark.reference(other) is None
+    time, make = periodic
+    run = make({"tip_uy": np.sin(2 * np.pi * time)})
+    for scene, bands in ((finer, 2), (other, 0)):
+        figure = nervure.Run(Facts(scene), run.folder, run.summary, run.series, run.units).plot("tip_uy")
+        assert sum(len(axis.collections) for axis in figure.axes) == bands, scene.name
+
+
+def test_a_unit_of_time_with_a_stroke_has_brackets():
+    display = Display(length="flag lengths", time="L/U")
+    found = [displayed_unit(unit, display)[0] for unit in ("s", "1/s", "m/s", "rad", "N")]
+    assert found == ["L/U", "1/(L/U)", "flag lengths/(L/U)", "rad", ""], found
 
 
 def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):
@@ -207,6 +234,17 @@ def test_a_solid_covers_the_field_inside_it(small_fsi3):
     left, right, bottom, top = flow.View(scene).extent
     box = axes[0, 0].get_window_extent()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom)), "true proportions"
+
+
+def test_a_cylinder_that_moves_is_drawn_in_its_place(fluid_only, tmp_path):
+    law = {"sine": {"amplitude": 0.1, "frequency": 10.0}}
+    fluid_only["fluid"]["cylinders"] = [{"center": [0.0, -0.1], "radius": 0.15, "motion": {"y": law}}]
+    run = nervure.run(validate(fluid_only), tmp_path, fields_every=0.01, quiet=True)
+    frames = animation.Frames(run.folder)
+    for frame, time in enumerate(frames.times):
+        (outline,) = frames.solids(frame)
+        place, expected = outline.mean(axis=0), (0.0, -0.1 + 0.1 * np.sin(2 * np.pi * 10 * time))
+        assert place == pytest.approx(expected, abs=1e-9), (time, place, expected)
 
 
 def test_between_grid_points_the_fourier_series_is_averaged_over_two_cells():

@@ -86,7 +86,7 @@ def test_the_path_of_its_tip_is_as_smooth_as_the_series(run):
     assert path[::2] == pytest.approx(seen, abs=1e-7)
 
 
-@pytest.mark.parametrize("sizes", [(1, 1, 0), (2.5, 1, 5), (1, 2, 0.4), (0.1, 1, 0.1), (3, 0.2, 0.2)])
+@pytest.mark.parametrize("sizes", [(1, 1, 0), (2.5, 1, 5), (1, 2, 0.4), (0.1, 1, 0.1), (3, 0.2, 0.2), (0.7, 0.1, 2.5)])
 @pytest.mark.parametrize("width", [7.5, 9.0])
 def test_no_label_of_its_axes_lies_on_another(run, sizes, width):
     """For a wing that moves over a box of these sizes; numbers in mm are the longest."""
@@ -97,8 +97,20 @@ def test_no_label_of_its_axes_lies_on_another(run, sizes, width):
     axes = [picture.axes.xaxis, picture.axes.yaxis, picture.axes.zaxis]
     texts = [text for axis in axes for text in (axis.label, *axis.get_majorticklabels()) if text.get_text()]
     assert len(texts) >= 7, [text.get_text() for text in texts]
+    for ends in (axis.label.get_window_extent().extents for axis in axes):
+        assert (ends > 0).all() and (ends[2:] < [100 * width, 100 * picture.figure.get_figheight()]).all(), ends
     for one, other in combinations(texts, 2):
         assert not one.get_window_extent().overlaps(other.get_window_extent()), (one.get_text(), other.get_text())
+
+
+def test_a_wing_wider_than_the_square_of_its_axes_is_drawn_whole(run):
+    nodes = run.facts.wing.nodes
+    picture = WingPicture(run.scene, run.facts.wing, nodes[None], nodes, 9.0)
+    picture.add(nodes)
+    picture.draw_path(nodes)
+    picture.show(nodes)
+    drawn = [*picture.axes.collections, *picture.axes.lines]
+    assert len(drawn) == 9 and not any(artist.get_clip_on() for artist in drawn), drawn
 
 
 def test_the_command_animates_and_inspects_it(run, tmp_path):

@@ -139,6 +139,7 @@ def test_a_driven_wing_has_the_table_of_a_flapping_rod(tmp_path):
     assert body.cp == pytest.approx(2 * found.power_in / speed**3), "of 1 m²"
     assert {"section_twist", "section_camber", "side"} <= done.summary.quantities.keys()
     with (console := Console(width=200)).capture() as shown:
-        print_table(console, done.summary)
-    for part in ("side mean [N]", "thrust, cycle mean [N]", "section_twist", "A 1 m², drag along x, lift along z"):
+        print_table(console, done.summary, done.scene)
+    parts = "side mean [N]", "thrust, cycle mean [N]", "section_twist", "work on the wing"
+    for part in (*parts, "A 1 m², drag along x, lift along z"):
         assert part in shown.get(), shown.get()

@@ -79,12 +79,12 @@ where
 
 /// Return the numbers of a state for each cell: velocity and vorticity at two times, and `w`.
 const fn numbers_of_state<const D: usize>() -> usize {
-    if D == 2 { 8 } else { 15 }
+    if D == 2 { 11 } else { 21 }
 }
 
 /// Return the numbers of a fluid for each cell: those of its state and of a copy, `w`, and the spectra.
 const fn numbers_of_fluid<const D: usize>() -> usize {
-    if D == 2 { 27 } else { 40 }
+    if D == 2 { 33 } else { 52 }
 }
 
 impl<const D: usize> Fluid<D>

@@ -6,8 +6,7 @@
 use std::sync::Arc;
 
 use geometry::plane::Outline;
-use geometry::space::Solid;
-use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
+use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
@@ -201,45 +200,18 @@ where
 }
 
 fn shape(shape: &scene::Shape) -> Arc<dyn Shape<2>> {
-    let outline = match shape {
-        scene::Shape::Circle { radius } => Outline::Circle(*radius),
-        scene::Shape::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
-        scene::Shape::Rectangle { length, thickness, ends: Ends::Square } => {
-            Outline::Rectangle([0.5 * length, 0.5 * thickness])
-        }
-        scene::Shape::Rectangle { length, thickness, ends: Ends::Round } => {
-            Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
-        }
-        scene::Shape::Polygon { corners } => Outline::polygon(corners.clone()),
-        scene::Shape::Plate { length, .. } => {
-            return Arc::new(Polyline(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]));
-        }
-        scene::Shape::Polyline { points } => return Arc::new(Polyline(points.clone())),
-        scene::Shape::Disk { .. }
-        | scene::Shape::Triangulation { .. }
-        | scene::Shape::Sphere { .. }
-        | scene::Shape::Ellipsoid { .. }
-        | scene::Shape::Cuboid { .. }
-        | scene::Shape::CircularCylinder { .. } => unreachable!("checked: a shape of two dimensions"),
-    };
-    Arc::new(outline)
+    match (shape.outline(), shape.line()) {
+        (Some(outline), _) => Arc::new(outline),
+        (_, Some(points)) => Arc::new(Polyline(points)),
+        _ => unreachable!("checked: a shape of two dimensions"),
+    }
 }
 
 fn solid(shape: &scene::Shape) -> Arc<dyn Shape<3>> {
-    let half = |lengths: &[f64; 3]| lengths.map(|length| 0.5 * length);
-    let solid = match shape {
-        scene::Shape::Sphere { radius } => Solid::Sphere(*radius),
-        scene::Shape::Ellipsoid { lengths } => Solid::Ellipsoid(half(lengths)),
-        scene::Shape::Cuboid { lengths } => Solid::Cuboid(half(lengths)),
-        scene::Shape::CircularCylinder { axis, radius, length } => Solid::Cylinder {
-            axis: *axis as usize,
-            radius: *radius,
-            half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
-        },
-        shape => match shape.surface() {
-            Some((nodes, triangles)) => return Arc::new(Triangulation(nodes, triangles)),
-            None => unreachable!("checked: a shape of three dimensions"),
-        },
-    };
-    Arc::new(solid)
+    // A cylinder through the box has no ends here.
+    match (shape.solid(&[[0.0, f64::INFINITY]]), shape.surface()) {
+        (Some(solid), _) => Arc::new(solid),
+        (_, Some((nodes, triangles))) => Arc::new(Triangulation(nodes, triangles)),
+        _ => unreachable!("checked: a shape of three dimensions"),
+    }
 }

@@ -126,16 +126,6 @@ where
         &mut self.motion.displaced_to[place.expect("the master moves the body")]
     }
 
-    /// Return the displacements of the bodies that laws do not move at the end of the coming step.
-    pub fn displacements(&self) -> &[Pose<D>] {
-        &self.motion.displaced_to
-    }
-
-    /// Return the same, to be set.
-    pub fn displacements_mut(&mut self) -> &mut [Pose<D>] {
-        &mut self.motion.displaced_to
-    }
-
     /// Return the force of the fluid on a flexible body, numbered from 0, in the last step.
     pub fn force_on_flexible(&self, body: usize) -> Force<D> {
         self.present.bodies[self.problem.bodies.rigid.len() + body].force

@@ -253,7 +253,10 @@ where
     }
 
     /// Refuse numbers with which no step can be made.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] and its like, with the number.
+    pub fn check(&self) -> Result<(), Error> {
         const WIDTHS: [&str; 3] =
             ["width of the domain along x", "width of the domain along y", "width of the domain along z"];
         let widths = WIDTHS.into_iter().zip(self.domain.map(|[low, high]| high - low));

@@ -57,11 +57,15 @@ pub enum Memory<R: Real, const D: usize> {
 pub struct TwoStep<R: Real, const D: usize> {
     /// Flow one step earlier.
     pub before: Flow<R, D>,
+    /// Flow two steps earlier.
+    pub earlier: Flow<R, D>,
     /// `w = u* + tau G` of the last step, m/s, per component.
     #[serde(with = "BigArray")]
     pub w: [Field<R>; D],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
     pub inv_tau: f64,
+    /// The step before the last one, s; 0 if there was none.
+    pub step_before: f64,
 }
 
 /// Memory of the two-step scheme on two grids.
@@ -171,14 +175,17 @@ impl<R: Real, const D: usize> TwoStep<R, D> {
     /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         self.before.copy_from(&other.before);
+        self.earlier.copy_from(&other.earlier);
         self.w.iter_mut().zip(&other.w).for_each(|(own, other)| own.copy_from_slice(other));
-        self.inv_tau = other.inv_tau;
+        (self.inv_tau, self.step_before) = (other.inv_tau, other.step_before);
     }
 
     /// Return whether `other` has the same size and a finite step.
     pub fn fits(&self, other: &Self) -> bool {
         self.before.has_shape_of(&other.before)
+            && self.earlier.has_shape_of(&other.earlier)
             && self.w.iter().zip(&other.w).all(|(own, other)| own.len() == other.len())
             && other.inv_tau.is_finite()
+            && other.step_before.is_finite()
     }
 }

@@ -27,7 +27,7 @@ pub struct Loads<const D: usize = 2> {
 
 impl<const D: usize> Stations<D> {
     /// Stations at rest at some positions, m.
-    pub(crate) fn at_rest(rest: &[[f64; D]]) -> Self {
+    pub fn at_rest(rest: &[[f64; D]]) -> Self {
         let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
         let zeros = |_| vec![0.0; rest.len()];
         Self { position: std::array::from_fn(component), velocity: std::array::from_fn(zeros) }

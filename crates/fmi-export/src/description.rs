@@ -74,11 +74,11 @@ fn append<M: Model, T: Value>(
     text: fn(&T) -> String,
 ) -> Result<(), String> {
     let variable = &table.variables[index];
+    if !variable.has_start() {
+        starts.resize(starts.len() + variable.len(), None);
+        return Ok(());
+    }
     table.read::<T, _>(index, model, 0.0, |values| {
-        if !variable.has_start() {
-            starts.resize(starts.len() + values.len(), None);
-            return Ok(());
-        }
         variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
         starts.extend(values.iter().map(|value| Some(text(value))));
         Ok(())

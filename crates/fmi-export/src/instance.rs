@@ -48,7 +48,7 @@ const TIME_TOLERANCE: f64 = 1e-9;
 /// Mode and time of a new instance.
 const START: InstanceTime = InstanceTime { mode: Mode::Instantiated, time: 0.0, stop: None };
 
-/// Load a model and return it with its table and description.
+/// Load a model, without what only an instance needs, and return it with its table and description.
 pub(crate) fn load<M: Model>(resources: &Resources, version: Version) -> Result<(M, Table<M>, Document), String> {
     let mut model = M::load(resources)?;
     let table = Table::new(model.variables(), version)?;
@@ -72,7 +72,7 @@ pub(crate) fn load_described<M: Model>(
 ) -> Result<Loaded<M>, String> {
     let resources = Resources::read(folder, M::RESOURCES)?;
     identity::check_origin::<M>(guid, &resources)?;
-    let (model, table, document) = load::<M>(&resources, version)?;
+    let (mut model, table, document) = load::<M>(&resources, version)?;
     if document.guid != guid {
         return Err(format!(
             "the GUID {guid} belongs to another model description, whose GUID is not {}",
@@ -83,6 +83,7 @@ pub(crate) fn load_described<M: Model>(
     if name.len() > usize::from(u16::MAX) {
         return Err(format!("the name of the model has {} bytes, but at most {} are allowed", name.len(), u16::MAX));
     }
+    model.build()?;
     Ok(Loaded { resources, origin: Origin { name, guid: guid.to_string() }, model, table })
 }
 
@@ -162,8 +163,10 @@ impl<M: Model> Instance<M> {
 
     /// Load the model again.
     fn reload(&mut self) -> Result<(), String> {
-        self.model = M::load(&self.resources)?;
-        self.table = Table::new(self.model.variables(), self.table.version)?;
+        let mut model = M::load(&self.resources)?;
+        let table = Table::new(model.variables(), self.table.version)?;
+        model.build()?;
+        (self.model, self.table) = (model, table);
         self.stale = true;
         Ok(())
     }

@@ -60,10 +60,18 @@ pub trait Model: Sized + 'static {
     /// Memory: all that decides the future of the model, beside parameters and inputs, which the export stores.
     type State: Clone + Serialize + DeserializeOwned;
 
-    /// Build the model from its resources, at instantiation and at `fmi2Reset`.
+    /// Read the model from its resources, at instantiation, at `fmi2Reset` and for a description.
     ///
     /// An error refuses the instance. A large model calls [`require_memory`](crate::require_memory) first.
     fn load(resources: &Resources) -> Result<Self, String>;
+
+    /// Make what only an instance needs, such as a solver, after [`load`](Model::load): description, variables and start
+    /// values do without.
+    ///
+    /// An error refuses the instance.
+    fn build(&mut self) -> Result<(), String> {
+        Ok(())
+    }
 
     /// Return name, texts and default experiment.
     fn description(&self) -> Description;

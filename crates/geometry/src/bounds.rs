@@ -25,6 +25,24 @@ pub(crate) fn are_near<const D: usize>(a: &Bounds<D>, b: &Bounds<D>, gap: f64) -
     a.iter().zip(b).all(|(a, b)| a[0] <= b[1] + gap && b[0] <= a[1] + gap)
 }
 
+/// Return the pairs `[i, j]` with i < j of bounding boxes at most `gap` (m) apart along each axis, in the order of j and
+/// i.
+pub fn near_pairs(all: &[Bounds<3>], gap: f64) -> Vec<[usize; 2]> {
+    let (mut order, mut found) = ((0..all.len()).collect::<Vec<_>>(), Vec::new());
+    visit_near(all, &mut order, gap, |i, j| found.push([i.min(j), i.max(j)]));
+    found.sort_unstable_by_key(|[i, j]| [*j, *i]);
+    found
+}
+
+/// Visit each pair of bounding boxes at most `gap` (m) apart, in a search along x; `order` has all their numbers.
+pub(crate) fn visit_near(all: &[Bounds<3>], order: &mut [usize], gap: f64, mut visit: impl FnMut(usize, usize)) {
+    order.sort_unstable_by(|&i, &j| all[i][0][0].total_cmp(&all[j][0][0]));
+    for (place, &i) in order.iter().enumerate() {
+        let later = order[place + 1..].iter().take_while(|&&j| all[j][0][0] <= all[i][0][1] + gap);
+        later.filter(|&&j| are_near(&all[i], &all[j], gap)).for_each(|&j| visit(i, j));
+    }
+}
+
 /// Return what two bounding boxes share; where they are apart along an axis, the place between them there.
 pub(crate) fn shared<const D: usize>(a: &Bounds<D>, b: &Bounds<D>) -> Bounds<D> {
     std::array::from_fn(|d| [a[d][0].max(b[d][0]), a[d][1].min(b[d][1])])
@@ -34,4 +52,21 @@ pub(crate) fn shared<const D: usize>(a: &Bounds<D>, b: &Bounds<D>) -> Bounds<D> 
 pub(crate) fn grid<const D: usize>(bounds: Bounds<D>, n: usize) -> impl Iterator<Item = [f64; D]> {
     let at = move |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
     (0..n.pow(D as u32)).map(move |k| std::array::from_fn(|d| at(bounds[d], k / n.pow((D - 1 - d) as u32) % n)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_pairs_are_those_of_all_pairs_in_their_order() {
+        let part = |k: usize, d: usize| (((k * (d + 7) + 3) * 37) % 101) as f64 / 101.0;
+        let all: Vec<Bounds<3>> =
+            (0..60).map(|k| [0, 1, 2].map(|d| [part(k, d), part(k, d) + 0.6 * part(d, k)])).collect();
+        for gap in [0.0, 0.1] {
+            let pairs = (0..all.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+            let expected: Vec<_> = pairs.filter(|[i, j]| are_near(&all[*i], &all[*j], gap)).collect();
+            assert!(expected.len() > 20 && near_pairs(&all, gap) == expected, "{} pairs", expected.len());
+        }
+    }
 }

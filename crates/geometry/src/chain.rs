@@ -73,6 +73,11 @@ impl Chain {
         pairs.fold(f64::INFINITY, f64::min)
     }
 
+    /// Return whether the bounding boxes of two chains are at most `gap` apart, m.
+    pub fn is_near(&self, other: &Self, gap: f64) -> bool {
+        are_near(&self.bounds, &other.bounds, gap)
+    }
+
     /// Return where the line passes through a surface, not only with one of its ends.
     pub fn piercing(&self, surface: &Surface) -> Option<[f64; 3]> {
         let (corners, last) = (surface.near(&self.bounds, 0.0), self.half.len() - 1);

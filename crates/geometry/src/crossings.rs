@@ -1,6 +1,6 @@
 //! Triangles of one surface that cross each other.
 
-use crate::bounds::{Bounds, around};
+use crate::bounds::{Bounds, around, visit_near};
 use crate::vector::{between, cross, dot, minus};
 
 /// Search along the x axis, with its scratch.
@@ -25,18 +25,14 @@ impl Crossings {
         for (k, own) in bounds.iter_mut().enumerate() {
             *own = around(&triangle(k).map(&position));
         }
-        order.sort_unstable_by(|&i, &j| bounds[i][0][0].total_cmp(&bounds[j][0][0]));
         let mut found = 0;
-        for (place, &i) in order.iter().enumerate() {
-            for &j in order[place + 1..].iter().take_while(|&&j| bounds[j][0][0] <= bounds[i][0][1]) {
-                let apart = (1..3).any(|d| bounds[j][d][0] > bounds[i][d][1] || bounds[j][d][1] < bounds[i][d][0]);
-                let [own, other] = [triangle(i), triangle(j)];
-                if !apart && !own.iter().any(|k| other.contains(k)) {
-                    let [own, other] = [own, other].map(|nodes| nodes.map(&position));
-                    found += usize::from(pierces(own, other) || pierces(other, own));
-                }
+        visit_near(bounds, order, 0.0, |i, j| {
+            let [own, other] = [triangle(i), triangle(j)];
+            if !own.iter().any(|k| other.contains(k)) {
+                let [own, other] = [own, other].map(|nodes| nodes.map(&position));
+                found += usize::from(pierces(own, other) || pierces(other, own));
             }
-        }
+        });
         found
     }
 }

@@ -18,7 +18,7 @@ mod surface;
 mod triangle;
 pub mod vector;
 
-pub use bounds::{Bounds, beyond};
+pub use bounds::{Bounds, beyond, near_pairs};
 pub use chain::Chain;
 pub use crossings::Crossings;
 pub use placed::Placed;

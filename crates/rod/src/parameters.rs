@@ -91,7 +91,10 @@ impl<const D: usize> Parameters<D> {
     }
 
     /// Refuse values outside their ranges and combinations that the model does not have.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// The value is named.
+    pub fn check(&self) -> Result<(), Error> {
         structure::finite("attachment", &self.attachment)?;
         structure::finite("direction", &self.direction)?;
         structure::finite("gravity", &self.gravity)?;

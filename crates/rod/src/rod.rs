@@ -12,7 +12,7 @@ use crate::newton::{Newton, kept};
 use crate::parameters::Parameters;
 
 /// Energies, J (per metre of depth in two dimensions).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
     /// Kinetic energy of the rod without displaced fluid.
     pub kinetic: f64,

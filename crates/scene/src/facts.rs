@@ -287,9 +287,10 @@ fn dimensionless(
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
     let length = first_scales.map(|own| own.length);
     let thicknesses = thicknesses(scene, fluid, beams);
+    let strains: Vec<_> = fluid.obstacles().map(|own| strain_factor(&own.body)).collect();
     let bodies = scales.iter().zip(thicknesses).enumerate().map(|(i, ((name, Scales { length, .. }), thickness))| {
-        let is_beam = i >= fluid.cylinders.len() + fluid.bodies.len();
-        let strain = if is_beam && i > 0 { 0.0 } else { strain_factor(fluid, i) * fastest / length };
+        let factor = strains.get(i).copied().unwrap_or(if i > 0 { 0.0 } else { 2.0 });
+        let strain = factor * fastest / length;
         let resolution = Resolution {
             length: *length,
             thickness_cells: thickness / coarsest,
@@ -358,11 +359,12 @@ fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts
     Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
-/// Return the strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
-fn strain_factor(fluid: &Fluid, i: usize) -> f64 {
-    let is_round =
-        |body: Body| matches!(body.shape, Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. });
-    if fluid.obstacles().nth(i).is_some_and(|own| is_round(own.body)) { 4.0 } else { 2.0 }
+/// Return the strain rate at the front of a body by U and its length: 4 for a circle, 2 for a plate.
+fn strain_factor(body: &Body) -> f64 {
+    match body.shape {
+        Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. } => 4.0,
+        _ => 2.0,
+    }
 }
 
 /// Return the length of a vector. In the plane it has the bits of `hypot`.

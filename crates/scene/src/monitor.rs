@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use geometry::vector::{minus, norm};
-use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond};
+use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond, near_pairs};
 use serde::{Deserialize, Serialize};
 
 use crate::fluid::Fluid;
@@ -40,16 +40,16 @@ pub(crate) struct Part {
 pub(crate) struct Memory {
     /// How far each thing had gone at the first time, m; none once it is warned of: a root may be embedded.
     reached: BTreeMap<String, Option<f64>>,
-    /// Edges or triangles of the second part that touched the first part of each pair then; none where nothing did, and
-    /// an empty list of a body.
-    touched: BTreeMap<String, Option<Vec<usize>>>,
+    /// Edges or triangles of the second part that touched the first part of a pair then; an empty list of a body.
+    touched: BTreeMap<String, Vec<usize>>,
 }
 
 /// Checks the places of parts again and again, and warns of each thing once.
 pub(crate) struct Monitor<'a> {
     pub fluid: Option<&'a Fluid>,
     pub parts: Vec<&'a Part>,
-    pub memory: Memory,
+    /// None before the first time.
+    pub memory: Option<Memory>,
     /// Number of dimensions.
     pub axes: usize,
     /// Whether nobody warns of the places at the first time, which were checked before the run.
@@ -63,11 +63,12 @@ type See<'a> = &'a mut dyn FnMut(&str, [f64; 2], bool, &dyn Fn() -> String);
 impl Monitor<'_> {
     /// Return the warnings at time `t` (s) from the present shapes; the place of a part may be unknown.
     pub fn check(&mut self, t: f64, now: &[Option<Shape>]) -> Vec<Warning> {
-        let mut found = Vec::new();
+        let (mut found, is_first) = (Vec::new(), self.memory.is_none());
+        let memory = self.memory.get_or_insert_default();
         let known = self.parts.iter().zip(now).filter_map(|(part, shape)| Some((*part, shape.as_ref()?)));
         let known: Vec<_> = known.collect();
         for (part, shape) in &known {
-            let (memory, is_run) = (&mut self.memory, self.is_run);
+            let is_run = self.is_run;
             let see: See = &mut |limit, [reached, allowed], may_start, text| {
                 let first = Some(if is_run || may_start { reached } else { 0.0 });
                 let before = memory.reached.entry(format!("{} {limit}", part.key)).or_insert(first);
@@ -83,43 +84,51 @@ impl Monitor<'_> {
                 own_shape(part, shape, self.axes, see);
             }
         }
-        for (j, (part, shape)) in known.iter().enumerate() {
-            for (other, other_shape) in known[..j].iter().filter(|(other, _)| part.moves || other.moves) {
-                if let Some(place) = self.meets((other, other_shape), (part, shape)) {
-                    let rounding = ROUNDING * norm(place);
-                    let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
-                    let at = shown(&place[..self.axes]);
-                    let text = format!("{} meets {} near {at}, and nothing keeps them apart,", part.name, other.name);
-                    found.push(warning(&part.key, t, &text));
-                }
+        let cell = self.fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
+        let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
+        for [i, j] in near_pairs(&bounds, cell / 4.0) {
+            let (one, two) = (known[i], known[j]);
+            if (one.0.moves || two.0.moves)
+                && let Some(place) = memory.meets(one, two, cell / 4.0, is_first)
+            {
+                let rounding = ROUNDING * norm(place);
+                let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
+                let at = shown(&place[..self.axes]);
+                let text = format!("{} meets {} near {at}, and nothing keeps them apart,", two.0.name, one.0.name);
+                found.push(warning(&two.0.key, t, &text));
             }
         }
         found
     }
+}
 
-    /// Return where two parts meet beyond what touched at the first time, once.
-    fn meets(&mut self, (one, shape): (&Part, &Shape), (other, other_shape): (&Part, &Shape)) -> Option<[f64; 3]> {
+impl Memory {
+    /// Return where two parts meet, closer than `depth` (m) and beyond what touched at the first time, once.
+    fn meets(
+        &mut self,
+        (one, shape): (&Part, &Shape),
+        (other, other_shape): (&Part, &Shape),
+        depth: f64,
+        is_first: bool,
+    ) -> Option<[f64; 3]> {
         let pair = format!("{} meets {}", other.key, one.key);
-        if self.memory.reached.contains_key(&pair) {
+        if self.reached.contains_key(&pair) {
             return None;
         }
-        let cell = self.fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
-        let touch = shape.touched_by(other_shape, cell / 4.0);
-        let elements = match &touch {
-            Some(Touch::At(elements)) => Some(elements.clone()),
-            Some(Touch::Whole) => Some(Vec::new()),
-            None => None,
-        };
-        let start = self.memory.touched.entry(pair.clone()).or_insert(elements.clone()).clone();
-        let (touch, elements) = (touch?, elements?);
-        let is_new = |start: Vec<usize>| {
+        let touch = shape.touched_by(other_shape, depth)?;
+        let elements = if let Touch::At(elements) = &touch { elements.as_slice() } else { &[] };
+        if is_first {
+            self.touched.insert(pair, elements.to_vec());
+            return None;
+        }
+        let is_new = |start: &Vec<usize>| {
             let half = if one.thickness.is_finite() { one.thickness / 2.0 } else { 0.0 };
             let margin = 2.0 * (half + (0..other.rest.elements()).map(|k| other.rest.size(k)).fold(0.0, f64::max));
             let apart = |a: usize, b: usize| norm(minus(other.rest.middle(a), other.rest.middle(b)));
             elements.iter().any(|&k| start.iter().all(|&known| apart(k, known) > margin))
         };
-        start.is_none_or(is_new).then(|| {
-            self.memory.reached.insert(pair, None);
+        self.touched.get(&pair).is_none_or(is_new).then(|| {
+            self.reached.insert(pair, None);
             other_shape.place(&touch, shape)
         })
     }
@@ -207,7 +216,7 @@ struct Places {
 #[derive(Serialize)]
 struct Answer {
     warnings: Vec<String>,
-    memory: Memory,
+    memory: Option<Memory>,
 }
 
 /// Check the places of a run at one time, as a JSON object, for the text of its scene; return the sentences of new
@@ -258,8 +267,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, f64::INFINITY);
     }
     let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
-    let mut monitor =
-        Monitor { fluid, parts: parts.iter().collect(), memory: places.memory.unwrap_or_default(), axes, is_run: true };
+    let mut monitor = Monitor { fluid, parts: parts.iter().collect(), memory: places.memory, axes, is_run: true };
     let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();
     Answer { warnings, memory: monitor.memory }
 }

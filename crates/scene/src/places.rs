@@ -87,6 +87,9 @@ impl Line {
     /// Return whether beams overlap between their ends, or half of one lies in the other.
     pub fn overlaps(&self, other: &Self) -> bool {
         let close = ALONG * (self.half_thickness + other.half_thickness);
+        if !self.chain.is_near(&other.chain, 0.0) {
+            return false;
+        }
         let inside = |a: &Self, b: &Self| {
             let near = |p: &[f64; 3]| b.chain.distance_of(*p);
             let by_end = a.ends().iter().any(|end| near(end) < 2.0 * close);
@@ -246,8 +249,10 @@ fn bounds_of(words: &str, ends: &[[f64; 2]]) -> String {
 fn wing_at_start(scene: &Scene) -> Option<Shape> {
     let wing = scene.wing.as_ref()?;
     let (mesh, laws) = (wing.mesh.build(), wing.root_motion.as_ref());
-    let moved = |node: &[f64; 3]| laws.map_or(*node, |laws| laws.moved(*node, wing.pivot, 0.0));
-    let nodes = mesh.nodes.iter().map(moved).collect();
+    let nodes = match laws.map(|laws| laws.motion(wing.pivot, 0.0)) {
+        Some(moved) => mesh.nodes.into_iter().map(moved).collect(),
+        None => mesh.nodes,
+    };
     (!mesh.triangles.is_empty()).then(|| Shape::Surface(Surface::new(nodes, mesh.triangles)))
 }
 
@@ -382,6 +387,9 @@ fn strict_crossing(line: &Chain, other: &Chain) -> Option<[f64; 3]> {
 /// Return a point at which two beams cross, or from which on they lie on each other. An end of one may touch the other.
 fn crossing(a: &Line, b: &Line) -> Option<[f64; 3]> {
     let close = a.half_thickness.min(b.half_thickness) / 4.0;
+    if !a.chain.is_near(&b.chain, close) {
+        return None;
+    }
     let touches = |one: &Line, other: &Line| one.ends().iter().any(|end| other.chain.distance_of(*end) < close);
     let lies_on = |one: &Line, other: &Line| {
         let near: Vec<_> = one.nodes.iter().filter(|p| other.chain.distance_of(**p) < close).collect();

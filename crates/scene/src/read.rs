@@ -9,21 +9,34 @@ use crate::json::{self, Content, Node};
 use crate::relations;
 use crate::scene::{FORMAT, Scene};
 
-/// The last text whose scene was [kept], and that scene. A run asks a library for facts, a description, an instance
-/// and, again and again, warnings of one text. What only makes instances keeps nothing, for a library that is unloaded
-/// would lose it.
-static LAST: Mutex<Option<(String, Scene)>> = Mutex::new(None);
+/// The scene of the last text whose scene was [kept]. A run asks a library for facts, a description, an instance and,
+/// again and again, warnings of one text. What only makes instances keeps nothing, for a library that is unloaded would
+/// lose it.
+static LAST: Mutex<Option<Known>> = Mutex::new(None);
 
-fn last() -> MutexGuard<'static, Option<(String, Scene)>> {
+/// A scene without faults.
+struct Known {
+    text: String,
+    scene: Scene,
+    /// Its facts as JSON, once they were wanted.
+    facts: Option<String>,
+}
+
+/// Return the last scene, if it is that of a text.
+fn last<'a>(last: &'a mut MutexGuard<Option<Known>>, text: &str) -> Option<&'a mut Known> {
+    last.as_mut().filter(|known| known.text == text)
+}
+
+fn lock() -> MutexGuard<'static, Option<Known>> {
     LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Return the scene of a text without faults, and keep it.
 pub(crate) fn kept(text: &str) -> Option<Scene> {
     let scene = read(text).ok()?;
-    let mut last = last();
-    if last.as_ref().is_none_or(|(known, _)| known != text) {
-        *last = Some((text.into(), scene.clone()));
+    let mut kept = lock();
+    if last(&mut kept, text).is_none() {
+        *kept = Some(Known { text: text.into(), scene: scene.clone(), facts: None });
     }
     Some(scene)
 }
@@ -72,14 +85,21 @@ pub fn check_text(text: &str, original: Option<&str>) -> String {
 
 /// Return the facts of a scene as a JSON object, or `null` for a scene with faults.
 pub fn facts_text(text: &str) -> String {
-    let facts = kept(text).map(|scene| scene.facts());
-    serde_json::to_string(&facts).expect("facts are plain JSON")
+    let Some(scene) = kept(text) else { return "null".into() };
+    if let Some(facts) = last(&mut lock(), text).and_then(|known| known.facts.clone()) {
+        return facts;
+    }
+    let facts = serde_json::to_string(&scene.facts()).expect("facts are plain JSON");
+    if let Some(known) = last(&mut lock(), text) {
+        known.facts = Some(facts.clone());
+    }
+    facts
 }
 
 /// Return the scene of a text, which is parsed and checked where it is not the kept one; the faults of a refused scene
 /// come with its tree, if the text is JSON.
 fn read(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
-    let known = last().as_ref().filter(|(known, _)| known == text).map(|(_, scene)| scene.clone());
+    let known = last(&mut lock(), text).map(|known| known.scene.clone());
     known.map_or_else(|| parse(text), Ok)
 }
 

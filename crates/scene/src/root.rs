@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use geometry::vector::{cross, turned};
+use geometry::vector::{cross, minus, norm, turned};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -108,23 +108,32 @@ impl RootLaws {
         ([x.0, y.0, z.0], [x.1, y.1, z.1])
     }
 
-    /// Return where a point at rest is at time `t` (s), m, if it moves with the base and turns about `pivot`.
-    pub(crate) fn moved(&self, point: [f64; 3], pivot: [f64; 3], t: f64) -> [f64; 3] {
-        let from = std::array::from_fn(|d| point[d] - pivot[d]);
-        let (displacement, turned) = (self.displacement(t).0, self.direction(t, from).0);
-        std::array::from_fn(|d| pivot[d] + displacement[d] + turned[d])
+    /// Return the function from the place of a point at rest to that at time `t` (s), m, if it moves with the base and
+    /// turns about `pivot`.
+    pub(crate) fn motion(&self, pivot: [f64; 3], t: f64) -> impl Fn([f64; 3]) -> [f64; 3] + use<> {
+        let displacement = self.displacement(t).0;
+        let turns: Vec<_> = self.rotations.iter().map(|own| (own.unit_axis(), own.angle.value(t))).collect();
+        move |point| {
+            let arm = turns.iter().fold(minus(point, pivot), |arm, (axis, angle)| turned(arm, *axis, *angle));
+            std::array::from_fn(|d| pivot[d] + displacement[d] + arm[d])
+        }
     }
 
     /// Return the direction at time `t` (s) of a vector that has `direction` at rest, and its rate, 1/s.
     pub fn direction(&self, t: f64, direction: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         self.rotations.iter().fold((direction, [0.0; 3]), |(direction, rate), rotation| {
-            let norm = rotation.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
-            let axis = rotation.axis.map(|c| c / norm);
+            let axis = rotation.unit_axis();
             let (angle, omega) = rotation.angle.value_and_rate(t);
             let (now, carried) = (turned(direction, axis, angle), turned(rate, axis, angle));
             let turning = cross(axis, now);
             (now, std::array::from_fn(|d| carried[d] + omega * turning[d]))
         })
+    }
+}
+
+impl Rotation {
+    fn unit_axis(&self) -> [f64; 3] {
+        self.axis.map(|part| part / norm(self.axis))
     }
 }
 

@@ -5,8 +5,9 @@
 //! oblique: the chord of a plate, the diameter of a cylinder across the stream. A wing has its one-sided area, and by
 //! that divided by the other side its mean chord. In the plane the length is that of `Shape::size`.
 //!
-//! Drag is along the stream. In still fluid it is along the line on which a body is driven without a turn, along the
-//! own x axis of another body, and from the root of a beam or a wing to its tip. Lift is across the drag: in the plane
+//! Drag is along the stream, also one that only swings past a body at rest. In still fluid it is along the line on which
+//! a body is driven without a turn, along the own x axis of another body, and from the root of a beam or a wing to its
+//! tip. Lift is across the drag: in the plane
 //! to its left, in space towards the thinnest side of a body, or else across its longest side, or else along its motion;
 //! in still fluid first along the motion, and for a wing that turns along the axis of the turn that is most across the
 //! drag. Where none of these exists, lift is along the own axis after the one nearest to the drag. Side completes a
@@ -94,9 +95,14 @@ struct Sized {
 pub(crate) fn scales(scene: &Scene, stream: Option<[f64; 3]>) -> Vec<(String, Scales)> {
     let Some(fluid) = &scene.fluid else { return Vec::new() };
     let (ends, end): (Vec<_>, _) = (fluid.r#box.ends().collect(), scene.time.end);
+    let swing = fluid
+        .mean_flow
+        .as_ref()
+        .and_then(|flow| direction(fastest(|t| flow.laws().map(|(_, law)| law.value_and_rate(t).0), end)));
     let is_space = ends.len() == 3;
     let mut found = Vec::new();
-    let mut add = |name: String, sized: Sized, length: Option<f64>, chosen: Option<&ReferenceScales>| {
+    let mut add = |name: String, mut sized: Sized, length: Option<f64>, chosen: Option<&ReferenceScales>| {
+        sized.heading = swing.filter(|_| sized.motion.or(sized.turn).is_none()).unwrap_or(sized.heading);
         let [drag, lift, side] = directions(&sized, chosen, stream, is_space);
         let area = chosen.and_then(|own| own.area).or(is_space.then_some(sized.area));
         let length =

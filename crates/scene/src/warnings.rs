@@ -14,8 +14,15 @@ use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
 use crate::wing_checks;
 
-/// Times at which motions are checked, over the whole run and once more at its beginning.
+/// Most times at which motions are checked, over the whole run and once more at its beginning.
 const TIMES: usize = 2000;
+
+/// Most shapes at the times of either, and least times where too many parts move.
+const MOST_SHAPES: usize = 100_000;
+const FEWEST_TIMES: usize = 100;
+
+/// Edges or triangles that count like a shape.
+const ELEMENTS: usize = 100;
 
 /// Times in a period of the fastest motion, at its beginning.
 const TIMES_PER_PERIOD: f64 = 40.0;
@@ -78,7 +85,7 @@ impl Motion<'_> {
     fn shape_at(&self, rest: &Shape, t: f64, ends: &[[f64; 2]]) -> Shape {
         match self {
             Self::Body(body) => body.shape_at(t, ends),
-            Self::Root { laws: Some(laws), pivot } => rest.moved(|node| laws.moved(node, *pivot, t)),
+            Self::Root { laws: Some(laws), pivot } => rest.moved(laws.motion(*pivot, t)),
             Self::Root { laws: None, .. } => rest.clone(),
         }
     }
@@ -130,11 +137,14 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
 fn times(end: f64, parts: &[Moving]) -> Vec<f64> {
     let fastest = parts.iter().flat_map(|part| part.laws()).filter_map(TimeLaw::frequency).fold(0.0, f64::max);
-    let coarse = end / TIMES as f64;
+    let moving = parts.iter().filter(|own| own.part.moves);
+    let shapes = moving.map(|own| 1 + own.part.rest.elements() / ELEMENTS).sum::<usize>().max(1);
+    let count = (MOST_SHAPES / shapes).clamp(FEWEST_TIMES, TIMES);
+    let coarse = end / count as f64;
     let fine = if fastest > 0.0 { f64::min(1.0 / (TIMES_PER_PERIOD * fastest), coarse) } else { coarse };
-    let mut times: Vec<_> = (0..=TIMES).map(|i| i as f64 * fine).collect();
-    let begin = fine * TIMES as f64;
-    times.extend((0..=TIMES).map(|i| i as f64 * coarse).filter(|t| *t > begin));
+    let mut times: Vec<_> = (0..=count).map(|i| i as f64 * fine).collect();
+    let begin = fine * count as f64;
+    times.extend((0..=count).map(|i| i as f64 * coarse).filter(|t| *t > begin));
     times
 }
 
@@ -160,8 +170,7 @@ fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], axes: usize, found
 /// Return the warnings about the motions that laws prescribe.
 fn motions(scene: &Scene, fluid: &Fluid, moving: &[Moving], start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
     let parts = moving.iter().map(|own| &own.part).collect();
-    let mut monitor =
-        Monitor { fluid: Some(fluid), parts, memory: Default::default(), axes: ends.len(), is_run: false };
+    let mut monitor = Monitor { fluid: Some(fluid), parts, memory: None, axes: ends.len(), is_run: false };
     let mut now: Vec<_> = start.iter().cloned().map(Some).collect();
     let mut found = monitor.check(0.0, &now);
     let is_moving = moving.iter().any(|own| own.part.moves);

@@ -30,6 +30,14 @@ pub struct Loads {
 }
 
 impl Loads {
+    /// Copy the loads of as many nodes; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.force.clone_from(&other.force);
+        self.pressure_jump.clone_from(&other.pressure_jump);
+        self.impedance.clone_from(&other.impedance);
+        self.pressure.clone_from(&other.pressure);
+    }
+
     /// Refuse arrays of a wrong length, numbers that are not finite and a negative impedance.
     pub(crate) fn check<const D: usize, F>(&self, nodes: usize) -> Result<(), Error<F>> {
         for (name, array, expected) in [

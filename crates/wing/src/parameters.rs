@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use structure::{Scheme, check_scheme, not_negative, positive};
 
 use crate::geometry::refused;
+use crate::section::Section;
 use crate::{Error, Wing};
 
 /// Material of a region of the membrane.
@@ -151,8 +152,16 @@ impl Parameters {
         Wing::new(self)
     }
 
+    /// Return whether the wing has a section with twist and camber.
+    pub fn have_section(&self) -> bool {
+        Section::new(&self.mesh, &self.root.nodes).is_some()
+    }
+
     /// Refuse a parameter outside its range.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// The parameter is named with its value.
+    pub fn check(&self) -> Result<(), Error> {
         let nodes = self.mesh.nodes.len();
         if nodes < 2 {
             return Err(Error::value("mesh.nodes", nodes, "at least 2 nodes"));

@@ -11,7 +11,7 @@ from nervure.coupling.schemes import (
     Iterated,
     ParallelExplicit,
     Scheme,
-    Single,
+    SingleUnit,
     connections,
     reason_of,
 )
@@ -19,7 +19,7 @@ from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterat
 from nervure.units.fmu import Unit
 
 __all__ = ["Aitken", "Choice", "CouplingError", "Drive", "EnergyGuard", "Explicit", "IqnIls", "Iterated"]
-__all__ += ["ParallelExplicit", "Scheme", "Single", "connections", "couple"]
+__all__ += ["ParallelExplicit", "Scheme", "SingleUnit", "connections", "couple"]
 
 
 def couple(
@@ -36,7 +36,7 @@ def couple(
     """
     if len(units) == 1:
         (unit,) = units.values()
-        return Single(unit, drive)
+        return SingleUnit(unit, drive)
     fluid, rods = units["fluid"], [unit for name, unit in units.items() if name != "fluid"]
     load = "momentum" if any(map(takes_momentum, rods)) else "pressure_jump"
     coupling = coupling or Coupling()

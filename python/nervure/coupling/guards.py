@@ -1,7 +1,8 @@
 """Guards of a run: an unstable coupling may stay finite, but the powers across the interface show it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,9 @@ SOON, RECENT = 40, 0.25
 
 ROUNDING = 1e-9
 """Relative tolerance of a step."""
+
+BLOCK = 64
+"""Steps whose velocities are evaluated together."""
 
 MARGIN = 1.25
 """Part by which an advised step is shorter than the longest one by the speed of the stations so far."""
@@ -78,6 +82,28 @@ class Balance(NamedTuple):
     own_exchanged: float = 0.0
 
 
+class Speeds:
+    """Velocities of stations, evaluated after many steps: NumPy takes as long for a step as for a block of them."""
+
+    def __init__(self, outputs: np.ndarray, places: list[slice], cell: Sequence[float]):
+        begin, self.cell = min(place.start for place in places), cell
+        self.given = outputs[begin : max(place.stop for place in places)]
+        self.places = [slice(place.start - begin, place.stop - begin) for place in places]
+        self.kept, self.count = np.empty((BLOCK, self.given.size)), 0
+
+    def keep(self) -> bool:
+        """Keep the velocities of a step; return whether the block is full."""
+        self.kept[self.count] = self.given
+        self.count += 1
+        return self.count == BLOCK
+
+    def largest(self) -> float:
+        """Return how many cells a station has passed in a second at most since the last call, 1/s."""
+        kept, self.count = self.kept[: self.count], 0
+        passed = (np.abs(kept[:, place]) / length for place, length in zip(self.places, self.cell, strict=True))
+        return float(sum(passed).max(initial=0.0))  # type: ignore[union-attr]
+
+
 class EnergyGuard:
     """Stops a run whose coupling is unstable: the powers across the interface disagree, or they are noise.
 
@@ -97,13 +123,23 @@ class EnergyGuard:
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
         self.warned = 0.0  # Largest difference of which the run has warned, by the exchanged power
-        self.balance = Balance()
+        self._balance = Balance()
+
+    @property
+    def balance(self) -> Balance:
+        """What the guard has seen so far."""
+        self._evaluate_speeds()
+        return self._balance
+
+    @balance.setter
+    def balance(self, balance: Balance) -> None:
+        self._balance = balance
 
     def check(self, t: float, h: float) -> None:
         """Add the powers at `t`, after a step of `h` (s); raise `CouplingError` where a limit is exceeded."""
         window = self.guards.window_steps
         on_rod = self.rod.outputs.item(self.power_on_rod)
-        steps, difference, exchanged, last, last_but_one, rate, *own = self.balance
+        steps, difference, exchanged, last, last_but_one, rate, *own = self._balance
         if steps % window == 0:
             own = [0.0, 0.0]
         elif steps < window:  # A violent start is forgotten
@@ -112,9 +148,10 @@ class EnergyGuard:
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
         exchanged += abs(from_fluid) - exchanged / window
-        rate = max(self._rate(), rate)
         own = [own[0] + deviation, own[1] + abs(from_fluid)]
-        self.balance = Balance(steps + 1, difference, exchanged, on_rod, last, rate, *own)
+        self._balance = Balance(steps + 1, difference, exchanged, on_rod, last, rate, *own)
+        if self._speeds and self._speeds.keep():
+            self._evaluate_speeds()
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}{self._then(h)} "
@@ -188,13 +225,18 @@ class EnergyGuard:
         names = ["x", "y", "z"][: len(self.limits.cell) if self.limits else 2]
         return np.array([self.rod.outputs[self.rod.slices[name]] for name in names])
 
-    def _rate(self) -> float:
-        """Return how many cells the fastest station passes in a second, 1/s."""
+    def _evaluate_speeds(self) -> None:
+        """Take the speeds that are kept into the balance."""
+        if self._speeds and self._speeds.count:
+            self._balance = self._balance._replace(rate=max(self._speeds.largest(), self._balance.rate))
+
+    @cached_property
+    def _speeds(self) -> Speeds | None:
+        """The velocities of the stations so far; None where no advice needs them."""
         names = ["vx", "vy", "vz"][: len(self.limits.cell)] if self.limits else []
         if not (self.momentum and self.limits and {*names} <= self.rod.slices.keys()):
-            return 0.0
-        speeds = (np.abs(self.rod.outputs[self.rod.slices[name]]) for name in names)
-        return float(sum(speed / cell for speed, cell in zip(speeds, self.limits.cell, strict=True)).max())
+            return None
+        return Speeds(self.rod.outputs, [self.rod.slices[name] for name in names], self.limits.cell)
 
     def _divided(self, h: float) -> str | None:
         """Return advice where the fluid must divide a step of `h` (s)."""

@@ -94,8 +94,8 @@ class Choice:
 
 def reason_of(rods: Sequence[Unit]) -> str | None:
     """Return the reason for the load of `rods`, in the words of the first rod that has one; else None."""
-    said = next((found for rod in rods if (found := rod.variables.get("load.reason"))), None)
-    return said.start[0] if said else None
+    reason = next((found for rod in rods if (found := rod.variables.get("load.reason"))), None)
+    return reason.start[0] if reason else None
 
 
 class Scheme:
@@ -126,7 +126,7 @@ class Scheme:
         return {}
 
 
-class Single(Scheme):
+class SingleUnit(Scheme):
     """One unit alone: every input keeps its start value, except the motion of a root or bodies that `drive` gives."""
 
     def __init__(self, unit: Unit, drive: Drive | None = None):
@@ -362,21 +362,21 @@ class Iterated(Explicit):
         residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
         least, fall = residuals.min(), float(residuals[-1] / residuals[0]) ** (1 / max(iterations - 1, 1))
         if not np.isfinite(error):
-            said = f"the stations became no numbers: take a `time.communication_step` of {below(h / 2)} s"
+            advice = f"the stations became no numbers: take a `time.communication_step` of {below(h / 2)} s"
         elif isinstance(self.acceleration, Aitken):
-            said = "`acceleration` iqn_ils holds where aitken does not"
+            advice = "`acceleration` iqn_ils holds where aitken does not"
         elif residuals[-FALLING:].min() < 0.5 * residuals[:-FALLING].min(initial=np.inf):
             more = int(np.ceil(np.log(limit / error) / np.log(fall if fall < 1.0 else FALL)))
-            said = f"it was still falling: take a `max_iterations` of {iterations + max(1, more)}"
+            advice = f"it was still falling: take a `max_iterations` of {iterations + max(1, more)}"
         elif least < COARSEST_TOLERANCE:
-            said = f"at best it was {least:.2g} of the step's displacement, which a `tolerance` above that accepts"
+            advice = f"at best it was {least:.2g} of the step's displacement, which a `tolerance` above that accepts"
         else:
-            said = (
+            advice = (
                 f"at best it was {least:.2g} of the step's displacement: take a `time.communication_step` of "
                 f"{below(h / 2)} s, a heavier rod or a larger `c_eta`"
             )
         why = reason_of(self.rods)
-        return said if why is None else f"{said} (it iterates under the load pressure_jump: {why})"
+        return advice if why is None else f"{advice} (it iterates under the load pressure_jump: {why})"
 
     def memory(self) -> dict[str, np.ndarray]:
         own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}

@@ -7,10 +7,12 @@ wall model, steps and schemes may differ: their effect is what a comparison show
 import json
 import math
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
 from typing import Any, Literal
 
 from nervure.resources import SCENES
-from nervure.scene import Scene
+from nervure.scene import Document, Scene
 from nervure.scene.part import Part
 from nervure.scene.types import Reference
 
@@ -40,13 +42,22 @@ def changed(scene: Scene, part: Literal["reference", "description"] = "reference
     if not (given := scene.document().get(part)):
         return []
     mine, found = dict(_physics(scene)), list[list[str]]()
-    for path in sorted(SCENES.glob("*.json")):
-        document = json.loads(path.read_text(encoding="utf-8"))
+    for path, document in _shipped().items():
         if document.get(part) == given:
-            theirs = dict(_physics(Scene.model_validate(document)))
+            theirs = _physics_of(path)
             keys = dict.fromkeys([*mine, *theirs])
             found.append([key for key in keys if not _equal(mine.get(key), theirs.get(key))])
     return min(found, key=len, default=[])
+
+
+@cache
+def _shipped() -> dict[Path, Document]:
+    return {path: json.loads(path.read_text(encoding="utf-8")) for path in sorted(SCENES.glob("*.json"))}
+
+
+@cache
+def _physics_of(path: Path) -> dict[str, Any]:
+    return dict(_physics(Scene.model_validate(_shipped()[path])))
 
 
 def reference(scene: Scene) -> Reference | None:

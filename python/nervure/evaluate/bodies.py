@@ -23,7 +23,7 @@ from nervure.evaluate import flapping, statistics
 from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene.facts import Facts
-from nervure.scene.solids import placed
+from nervure.scene.solids import placed, pose_names
 from nervure.scene.types import BodyMotion, Fluid, Motion, TimeLaw, TimeLawConstant, TimeLawSine
 
 
@@ -146,11 +146,10 @@ def _along_own_axes(
     if kind != "body":
         return None
     body, time = fluid.bodies[int(number) - 1], series["time"]
-    angles = series.get(f"{name}_angle")
-    if angles is None:
-        angles = np.zeros_like(time) if len(force) == 3 else np.full_like(time, body.angle)
+    rest = np.full_like(time, body.angle if len(force) == 2 else 0.0)
+    *place, angles = (series.get(f"{name}_{part}", rest) for part in pose_names(fluid, body))
     if len(force) == 3:
-        axes = np.array([placed(body, (0.0, 0.0, 0.0, angle))[0] for angle in angles])  # From the own axes
+        axes = np.array([placed(body, pose)[0] for pose in zip(*place, angles, strict=True)])  # From the own axes
     else:
         axes = np.moveaxis(np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]]), 2, 0)
     own = np.einsum("tij,it->jt", axes, force)
@@ -205,7 +204,7 @@ class _Oscillation:
             return None
         time, omega, speed = series["time"], 2 * np.pi * sine.frequency, self.largest_speed
         cos, sin = np.cos(omega * time + sine.phase), np.sin(omega * time + sine.phase)
-        force = self.direction @ [series[f"{name}_drag"], series[f"{name}_lift"]]
+        force = self.direction[:2] @ [series[f"{name}_drag"], series[f"{name}_lift"]]
         drag, inertia = fluid.density * length * speed**2 / 2, fluid.density * np.pi * length**2 * omega * speed / 4
         cd = -flapping.average(time, force * cos, window) / drag * 3 * np.pi / 4
         ci = flapping.average(time, force * sin, window) / inertia * 2
@@ -223,15 +222,16 @@ def _motions(fluid: Fluid) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
 
 def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
     """Return an oscillation along a line; None for other motions."""
-    sines = {axis: law for axis, law in enumerate((motion.x, motion.y)) if isinstance(law, TimeLawSine)}
+    laws = dict(enumerate((motion.x, motion.y, *((motion.z,) if isinstance(motion, BodyMotion) else ()))))
+    sines = {axis: law for axis, law in laws.items() if isinstance(law, TimeLawSine)}
     moving = {axis: law for axis, law in sines.items() if law.sine.amplitude and law.sine.frequency}
-    if not moving or not all(axis in sines or _rests(law) for axis, law in enumerate((motion.x, motion.y))):
+    if not moving or not all(axis in sines or _rests(law) for axis, law in laws.items()):
         return None
     first = max(moving.values(), key=lambda law: abs(law.sine.amplitude))
     for law in moving.values():
         if any(getattr(law.sine, key) != getattr(first.sine, key) for key in ("frequency", "phase", "ramp")):
             return None
-    amplitudes = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(2)])
+    amplitudes = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(3)])
     amplitude = float(np.linalg.norm(amplitudes))
     speed = 2 * np.pi * first.sine.frequency * amplitude
     turns = isinstance(motion, BodyMotion) and not _rests(motion.angle)

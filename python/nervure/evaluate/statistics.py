@@ -117,28 +117,32 @@ def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> 
     says that they differ. A signal whose amplitude at the end is at most `smallest`, that is steady there, that never
     completes a period there, or whose last one is long over, is evaluated over the last third of the record.
     """
-    tail = last_third(time)
-    mean, amplitude = extent(values[tail.of(time)])
-    if amplitude <= max(smallest, OSCILLATING * np.abs(values).max()):
-        return tail
-    crossings = upward_crossings(time, values, mean, amplitude)
-    if crossings.size < 2 or time[-1] - crossings[-1] > OVER * (crossings[-1] - crossings[-2]):
-        return tail
+    edges = _edges(time, values, smallest)
+    first = _first_settled(time, values, edges) if edges.size else 0
+    if first >= edges.size - 1:
+        return last_third(time)
+    return Window(float(edges[first]), float(edges[-1]), edges.size - 1 - first)
 
-    first = _first_settled(time, values, crossings)
-    if first == crossings.size - 1:
-        return tail
-    return Window(float(crossings[first]), float(crossings[-1]), crossings.size - 1 - first)
+
+def _edges(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> np.ndarray:
+    """Return the times between whole periods of a signal, s: none where its amplitude at the end is at most `smallest`,
+    where it is steady there, never completes a period, or the last one is long over."""
+    mean, amplitude = extent(values[last_third(time).of(time)])
+    if amplitude <= max(smallest, OSCILLATING * np.abs(values).max()):
+        return np.empty(0)
+    edges = upward_crossings(time, values, mean, amplitude)
+    return edges if edges.size > 1 and time[-1] - edges[-1] <= OVER * (edges[-1] - edges[-2]) else np.empty(0)
 
 
 def driven_window(time: np.ndarray, values: np.ndarray, drive: np.ndarray) -> Window:
     """Return the window of a signal that a prescribed one drives: whole periods of `drive`, counted from the end of the
     record, as many as `values` are settled for; that of `values` alone if the drive has no periods."""
-    own = find_window(time, drive)
-    if own.periods == 0:
+    found = next((edges for sign in (1, -1) if (edges := _edges(time, sign * drive)).size), None)
+    if found is None:
         return find_window(time, values)
-    period = (own.end - own.begin) / own.periods
-    count = int((time[-1] - own.begin) / period + 1e-6)
+    found = found[min(_first_settled(time, drive, found), found.size - 2) :]
+    period = (found[-1] - found[0]) / (found.size - 1)
+    count = int((time[-1] - found[0]) / period + 1e-6)
     edges = time[-1] - period * np.arange(count, -1, -1)
     first = min(_first_settled(time, values, edges), count - 1)
     if first == 0 and count > 2 and edges[0] - time[0] < period / 2:
@@ -188,9 +192,9 @@ class Character:
     def remark(self) -> str:
         """Return the remark of a table, empty for a periodic or a steady signal."""
         words = {"changing": "still changes", "irregular": "not periodic", "rounding": "rounding only"}
-        said = f"drifts {self.drift:+.0%}" if self.state == "drifting" and self.drift else words.get(self.state, "")
+        kind = f"drifts {self.drift:+.0%}" if self.state == "drifting" and self.drift else words.get(self.state, "")
         noisy = f"noise {self.noise:.0%}" if self.noise and self.noise > NOISY and self.state != "rounding" else ""
-        return ", ".join(filter(None, (said, noisy)))
+        return ", ".join(filter(None, (kind, noisy)))
 
 
 def folded(time: np.ndarray, values: np.ndarray, window: Window, samples: int = 256) -> np.ndarray:
@@ -287,8 +291,8 @@ def _harmonics(time: np.ndarray, values: np.ndarray, window: Window, iterations:
     one_period = np.outer(np.linspace(0, 2 * np.pi, 2000, endpoint=False), order)
     curve = constant + np.cos(one_period) @ cosines + np.sin(one_period) @ sines
     strongest = order[np.argmax(cosines**2 + sines**2)]
-    rest, whole = (float(np.var(signal)) for signal in (y - matrix @ solution, y))
-    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi))), 1 - rest / whole if whole else 0.0
+    rest, total = (float(np.var(signal)) for signal in (y - matrix @ solution, y))
+    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi))), 1 - rest / total if total else 0.0
 
 
 def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
@@ -304,7 +308,5 @@ def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray
 
 
 def force_filter_width(window: Window) -> float:
-    """Return the width of the box filter over forces, s."""
-    if window.periods == 0:
-        return FORCE_FILTER
-    return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / window.periods)
+    """Return the width of the box filter over forces, s; without periods the window counts as one."""
+    return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / max(window.periods, 1))

@@ -10,6 +10,7 @@ import numpy as np
 from nervure.evaluate import benchmark
 from nervure.scene import Scene, beams
 from nervure.scene.facts import Facts
+from nervure.scene.solids import box_ends
 from nervure.scene.types import Display
 from nervure.terminal import legible
 
@@ -30,11 +31,14 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
     in a scene's own scales, and forces and energies have no unit."""
     if display is None:
         return READ_IN.get(unit or "", (unit or "", 1.0))
+    time = f"({display.time})" if "/" in display.time else display.time
     own = {
         "m": display.length,
         "s": display.time,
-        "1/s": f"1/{display.time}",
-        "m/s": f"{display.length}/{display.time}",
+        "1/s": f"1/{time}",
+        "m/s": f"{display.length}/{time}",
+        "rad": "rad",
+        "deg": "deg",
     }
     return own.get(unit or "", ""), 1.0
 
@@ -50,8 +54,7 @@ def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
 def _size(scene: Scene) -> float:
     """Return the shortest side of the box, without a fluid the length of the longest rod or of the wing, m."""
     if scene.fluid:
-        box = scene.fluid.box
-        return min(high - low for low, high in filter(None, (box.x, box.y, box.z)))
+        return min(high - low for low, high in box_ends(scene.fluid))
     mesh = Facts(scene).wing if scene.wing else None
     wing = [float(np.ptp(mesh.nodes, axis=0).max())] if mesh else []
     return max([*wing, *(own.beam.length for own in beams(scene))], default=0.0)

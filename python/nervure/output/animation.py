@@ -6,7 +6,7 @@ A fluid in space has vortices.png and vortices.gif, too, where pyvista is instal
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -76,13 +76,22 @@ class Frames:
         self.facts = Facts(scene)
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
-        self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
+        moves = scene.fluid and flow.poses(scene, str)
+        self.moves = self._moves(results.read(folder).series) if moves else []
         self.part = part
 
     def _moves(self, series: Series) -> list[np.ndarray]:
-        """Return the pose of each body at the times of the frames, `[frames, parts]`, m and rad (see `pose_names`)."""
+        """Return the place of each body at the times of the frames, `[frames, parts]`, m and rad (see `flow.poses`)."""
         found = flow.poses(self.scene, lambda name: np.interp(self.times, series["time"], series[column(name)]))
         return [np.transpose(parts) for parts in found]
+
+    @cached_property
+    def run(self) -> results.Results | None:
+        """The results of the run; None where they cannot be read."""
+        try:
+            return results.read(self.folder)
+        except InputError:
+            return None
 
     @cached_property
     def view(self) -> flow.View:
@@ -152,7 +161,7 @@ class Frames:
         return np.array(self.wing["VTKHDF/Points"][frame * count : (frame + 1) * count]), mesh.triangles
 
     def poses(self, frame: int) -> list[list[float]]:
-        """Return the poses of the bodies."""
+        """Return the places of the bodies (see `flow.poses`)."""
         return [move[frame].tolist() for move in self.moves]
 
     @cached_property
@@ -166,10 +175,9 @@ class Frames:
         shapes, middle = self.shapes, self.shapes.shape[1] // 2
         in_space = bool(np.ptp(shapes[..., 2]))
         path = shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
-        try:
-            series = results.read(self.folder).series
-        except InputError:
+        if self.run is None:
             return self.times, path
+        series = self.run.series
         moved = np.transpose([series.get(f"tip_u{axis}", np.zeros_like(series["time"])) for axis in "xyz"])
         return series["time"], path[0] + moved - moved[0]
 
@@ -196,10 +204,7 @@ def write(
         raise InputError("across, at and crop are of a fluid, but there is none")
     if frames.fluid is not None:
         _ = frames.view  # Refuses a part that is not there, before anything is written
-    try:
-        window = results.read(folder).summary.window
-    except InputError:
-        window = None
+    window = frames.run.summary.window if frames.run else None
     if window and window.periods:
         looped, last = window.last(PERIODS), window.last(1)
     else:
@@ -326,7 +331,7 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
     for number in np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int)):
         picture.add(frames.shapes[chosen[number]], color="0.3", linewidth=0.7)
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
-    picture.said.set_text(f"rod from {first} to {last} {picture.clock}")
+    picture.caption.set_text(f"rod from {first} to {last} {picture.clock}")
     plots.save(picture.figure, path)
 
 
@@ -335,16 +340,14 @@ def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
     _, of_tip = frames.tip
     picture = RodPicture(frames.scene, frames.shapes, of_tip, WIDTH)
     picture.draw_path(of_tip)
-    picture.figure.set_dpi(DPI)
-    canvas, pictures = FigureCanvasAgg(picture.figure), []
     lines = picture.add(frames.shapes[0], color=plots.BLUE, linewidth=1.5)
-    for frame in chosen[:: -(-len(chosen) // FILM)]:
+
+    def show(frame: int) -> None:
         for line, view in zip(lines, picture.views, strict=True):
             line.set_data(*picture.line(frames.shapes[frame], view))
-        picture.said.set_text(frames.title(frame))
-        canvas.draw()
-        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-    return pictures
+        picture.caption.set_text(frames.title(frame))
+
+    return filmed(picture.figure, chosen[:: -(-len(chosen) // FILM)], show)
 
 
 def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
@@ -360,18 +363,17 @@ def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
     still.draw_path(path)
     still.show(shapes[-1])
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
-    still.said.set_text(f"t = {first} to {last} {still.clock}")
+    still.caption.set_text(f"t = {first} to {last} {still.clock}")
     plots.save(still.figure, folder / "motion.png")
 
     picture = WingPicture(scene, mesh, shapes, path, WIDTH)
     picture.draw_path(path)
-    picture.figure.set_dpi(DPI)
-    canvas, pictures = FigureCanvasAgg(picture.figure), []
-    for place in range(0, len(chosen), -(-len(chosen) // FILM)):
+
+    def show(place: int) -> None:
         picture.show(shapes[place])
-        picture.said.set_text(frames.title(chosen[place]))
-        canvas.draw()
-        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+        picture.caption.set_text(frames.title(chosen[place]))
+
+    pictures = filmed(picture.figure, range(0, len(chosen), -(-len(chosen) // FILM)), show)
     return [folder / "motion.png", *_films(folder / "motion", pictures)]
 
 
@@ -382,10 +384,9 @@ def _path_of_tip(frames: Frames, mesh: WingMesh, chosen: list[int]) -> np.ndarra
     away, count = np.linalg.norm(mesh.nodes - frames.scene.wing.pivot, axis=1), len(mesh.nodes)
     tip = int(np.flatnonzero(away > (1 - 1e-12) * away.max())[-1])  # The last of equals, as the unit takes it
     points = np.array(frames.wing["VTKHDF/Points"][tip::count])[chosen]
-    try:
-        series = results.read(frames.folder).series
-    except InputError:
+    if frames.run is None:
         return points
+    series = frames.run.series
     begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
     rows = (series["time"] >= begin * (1 - 1e-9)) & (series["time"] <= end * (1 + 1e-9))
     if not all(f"tip_u{axis}" in series for axis in "xyz") or rows.sum() < len(chosen):
@@ -399,12 +400,22 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     """Return pictures of the fluid in the frames `chosen`, `[height, width, 3]` of bytes."""
     figure, axes = frames.view.panels(WIDTH)
     figure.set_dpi(DPI)
-    canvas, pictures = FigureCanvasAgg(figure), []
     picture = flow.Picture(axes[0, 0], frames.view, limit)
     flow.colour_bar(figure, axes, picture.image, frames.view)
-    for frame in chosen:
+
+    def show(frame: int) -> None:
         picture.show(frames.vorticity(frame), frames.solids(frame))
         picture.say(float(frames.times[frame]))
+
+    return filmed(figure, chosen, show)
+
+
+def filmed(figure: Figure, frames: Iterable[int], show: Callable[[int], None]) -> list[np.ndarray]:
+    """Return a picture of the figure after each call of `show`, `[height, width, 3]` of bytes."""
+    figure.set_dpi(DPI)
+    canvas, pictures = FigureCanvasAgg(figure), []
+    for frame in frames:
+        show(frame)
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return pictures

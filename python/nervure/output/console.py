@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.progress import BarColumn, Progress, TextColumn
 
-from nervure.output import displayed_unit, forecast, tables
+from nervure.output import forecast, tables, unit_in
 from nervure.scene.facts import Facts
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
@@ -51,7 +51,7 @@ class NotebookDisplay:
 
 
 def shown_columns(session: Session) -> tuple[str, ...]:
-    """Return the columns of the series that tell best how a run goes."""
+    """Return the columns of the series that show best how a run goes."""
     return next((names for names in SHOWN if names[0] in session.recorder.columns), ())
 
 
@@ -80,7 +80,8 @@ class Terminal(Observer):
         _print_rows(self.console, forecast.scheme_rows(session))
         self.warned = len(session.warnings)
         self.pace: forecast.Pace | None = forecast.Pace(session)
-        self.columns = shown_columns(session)
+        units = session.recorder.units
+        self.shown = {name: unit_in(session.scene, units[name], 0.0) for name in shown_columns(session)}
         in_place = self.console.is_terminal or in_notebook()
         self.interval = TERMINAL_INTERVAL if in_place else FILE_INTERVAL
         self.due = self.interval
@@ -95,8 +96,8 @@ class Terminal(Observer):
         self.warned = len(self.session.warnings)
         if self.pace:
             self.pace.see(loop.steps, wall)
-            if self.pace.whole is not None and self.pace.timed >= forecast.TIMED:
-                self.console.print(f"forecast: {forecast.cost(self.pace.whole)}", soft_wrap=True)
+            if self.pace.total is not None and self.pace.timed >= forecast.TIMED:
+                self.console.print(f"forecast: {forecast.cost(self.pace.total)}", soft_wrap=True)
                 self.pace = None
         if wall >= self.due and loop.time > 0.0:
             self.due = wall + self.interval
@@ -104,9 +105,8 @@ class Terminal(Observer):
 
     def _show(self, loop: TimeLoop, wall: float) -> None:
         values = []
-        for name in self.columns:
-            unit, scale = displayed_unit(loop.recorder.units[name])
-            values.append(f"{name} {loop.recorder.series[name][-1] * scale:.2f} {unit}")
+        for name, (unit, scale) in self.shown.items():
+            values.append(f"{name} {loop.recorder.series[name][-1] * scale:.{2 if scale > 1 else 3}f} {unit}".rstrip())
         end, left = loop.grid.end, wall * (loop.grid.end - loop.time) / loop.time
         text = ", ".join([f"t {loop.time:.3f} of {end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
         if self.console.is_terminal:
@@ -121,7 +121,7 @@ class Terminal(Observer):
 
     def finish(self, results: Results) -> None:
         folder, summary = results.folder, results.summary
-        tables.print_table(self.console, summary, results.scene.display)
+        tables.print_table(self.console, summary, results.scene)
         self.console.print(f"results in {folder}", soft_wrap=True)
         if not summary.completed and summary.error is None:
             kept = (folder / CHECKPOINT).exists()

@@ -90,17 +90,18 @@ class View:
     def outlines(
         self,
         beams: Solids,
-        poses: Sequence[Sequence[float]],
+        places: Sequence[Sequence[float]],
         wing: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> list[np.ndarray]:
-        """Return the outlines in the picture of the still cylinders, of the bodies at `poses` (m and rad, see `pose`),
-        of `beams`, and of a wing by its nodes, `[n, 3]` (m), and triangles."""
-        fluid, plane, bodies = self.fluid, self.plane, zip(self.fluid.bodies, poses, strict=False)
+        """Return the outlines in the picture of the cylinders and bodies at `places` (m and rad, see `poses`), of
+        `beams`, and of a wing by its nodes, `[n, 3]` (m), and triangles."""
+        fluid, plane, poses = self.fluid, self.plane, iter(places)
+        bodies = list(zip(fluid.bodies, poses, strict=False))
         if plane:
             cut = [line for body, of in bodies for line in plane.body(body, of, fluid)]
             return [*cut, *beams, *(plane.cut(*wing) if wing else ())]
-        still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
-        found = [np.array(cylinder.center) + circle(cylinder.radius) for cylinder in still]
+        centres = (next(poses) if cylinder.motion else cylinder.center for cylinder in fluid.cylinders)
+        found = [np.array(centre) + circle(own.radius) for centre, own in zip(centres, fluid.cylinders, strict=True)]
         return [*found, *(body_outline(body, *of) for body, of in bodies), *beams]
 
     @property
@@ -139,10 +140,11 @@ class View:
 
 
 def poses(scene: Scene, read: Callable[[str], Value]) -> list[list[Value]]:
-    """Return what `read` gives of the outputs for the place of each rigid body, by their names."""
+    """Return what `read` gives of the outputs for the place of each body, then of each cylinder that moves."""
     fluid = _fluid(scene)
-    bodies = enumerate(fluid.bodies, 1)
-    return [[read(f"body[{i}].{part}") for part in pose_names(fluid, body)] for i, body in bodies]
+    bodies = [[read(f"body[{i}].{part}") for part in pose_names(fluid, own)] for i, own in enumerate(fluid.bodies, 1)]
+    moving = (i for i, cylinder in enumerate(fluid.cylinders, 1) if cylinder.motion)
+    return [*bodies, *([read(f"cylinder[{i}].{axis}") for axis in "xy"] for i in moving)]
 
 
 def colour_bar(

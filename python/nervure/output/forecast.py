@@ -151,7 +151,7 @@ def _unresolved(name: str, body: Body) -> Iterator[str]:
             wanted = f"forces within some per cent want {GOOD_CELLS}"
         yield f"{across} are few: {wanted}{line}"
     if not is_beam and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
-        layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
+        layer = f"the boundary layer at the front of {name} has {body.layer_cells:.3g} cells"
         yield f"{layer}; with less than {LAYER_CELLS:g} drag can be off by some per cent and lift by ten"
 
 
@@ -174,7 +174,7 @@ class Pace(Observer):
         self.first: int | None = None
         self.begin: tuple[int, float, float] | None = None  # Steps, wall time, and the time of the fluid, s
         self.timed = 0.0  # Wall time of the steps that were timed, s
-        self.whole: float | None = None  # Wall time of the whole run, s; None while too few steps were timed
+        self.total: float | None = None  # Wall time of the whole run, s; None while too few steps were timed
 
     def step(self, loop: TimeLoop) -> None:
         self.see(loop.steps, loop.wall)
@@ -189,7 +189,7 @@ class Pace(Observer):
                 self.begin = done, wall, inside
             return
         made, self.timed = done - self.begin[0], wall - self.begin[1]
-        self.whole = (self.timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
+        self.total = (self.timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
 
 
 def cost(wall: float) -> str:

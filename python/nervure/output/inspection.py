@@ -16,6 +16,7 @@ from nervure.output import forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
+from nervure.scene.solids import cell_lengths
 from nervure.scene.types import FineBox, Fluid
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
@@ -24,29 +25,19 @@ from nervure.units.fmu import read_description, variables_of, version_of
 
 FLAGS = {
     2: (
-        "canHandleVariableCommunicationStepSize",
-        "canInterpolateInputs",
-        "maxOutputDerivativeOrder",
-        "canBeInstantiatedOnlyOncePerProcess",
-        "canNotUseMemoryManagementFunctions",
-        "canGetAndSetFMUstate",
-        "canSerializeFMUstate",
-        "providesDirectionalDerivative",
-        "needsExecutionTool",
+        "canHandleVariableCommunicationStepSize", "canInterpolateInputs", "maxOutputDerivativeOrder",
+        "canBeInstantiatedOnlyOncePerProcess", "canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate",
+        "canSerializeFMUstate", "providesDirectionalDerivative", "needsExecutionTool",
     ),
     3: (
-        "canHandleVariableCommunicationStepSize",
-        "maxOutputDerivativeOrder",
-        "canBeInstantiatedOnlyOncePerProcess",
-        "canGetAndSetFMUstate",
-        "canSerializeFMUstate",
-        "providesAdjointDerivatives",
-        "hasEventMode",
+        "canHandleVariableCommunicationStepSize", "maxOutputDerivativeOrder", "canBeInstantiatedOnlyOncePerProcess",
+        "canGetAndSetFMUstate", "canSerializeFMUstate", "providesAdjointDerivatives", "hasEventMode",
         "needsExecutionTool",
     ),
-}
+}  # fmt: skip
 """Flags of a co-simulation unit that fmpy reads (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section 4.4.1)."""
 
+TIMED = 0.1  # Wall time of the first steps, s
 PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # Parts that a fluid may have
 
 
@@ -94,9 +85,8 @@ def show_scene(console: Console, scene: Scene) -> None:
     *front, last = units
     rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
     if fluid := scene.fluid:
-        counts, box = fluid.box.cells, [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
-        spacing = (f"{(high - low) / n:.3g}" for (low, high), n in zip(box, counts, strict=True))
-        rows.append(("fluid", f"{' x '.join(map(str, counts))} cells of {' x '.join(spacing)} m"))
+        spacing = (f"{length:.3g}" for length in cell_lengths(fluid))
+        rows.append(("fluid", f"{' x '.join(map(str, fluid.box.cells))} cells of {' x '.join(spacing)} m"))
         if fine := fluid.fine_box:
             rows.append(("fine box", _fine_box(fine, fluid)))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
@@ -137,16 +127,15 @@ def _fine_box(fine: FineBox, fluid: Fluid) -> str:
 
 
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield scheme, table, memory and wall time of a scene, by name, from steps for half a second."""
-    importlib.import_module("nervure.output.plots")  # A run loads it, and its memory counts
+    """Yield scheme, table, memory and wall time of a scene, by name, from its first steps."""
     before = forecast.resident_memory()
     with Session(scene) as session:
         pace = forecast.Pace(session)
         session.observers = [pace]
-        status = session.run(stopping=lambda: pace.whole is not None and session.wall > forecast.TIMED)
+        status = session.run(stopping=lambda: pace.total is not None and session.wall > TIMED)
         if status.error is not None:
             raise UnitError(status.error)
-        whole = status.wall if status.completed or pace.whole is None else pace.whole
+        wall = status.wall if status.completed or pace.total is None else pace.total
         resident = forecast.resident_memory()
     recorder = session.recorder
     yield from forecast.scheme_rows(session)
@@ -154,7 +143,7 @@ def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
     if resident:
         total, pythons = (f"{size / 1e6:.0f} MB" for size in (resident + recorder.table.nbytes, before))
         yield "memory", f"about {total}, of which Python and its packages take {pythons}"
-    yield "wall time", f"about {forecast.duration(whole)} on this machine"
+    yield "wall time", f"about {forecast.duration(wall)} on this machine"
 
 
 def show_results(console: Console, folder: Path) -> None:
@@ -167,7 +156,7 @@ def show_results(console: Console, folder: Path) -> None:
         if not stopped:
             raise
     else:
-        print_table(console, summary, found.scene.display)
+        print_table(console, summary, found.scene)
         if not summary.completed:
             console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
         git = summary.git

@@ -212,7 +212,7 @@ class Live(Observer):
             return False
         return True
 
-    def told(self, ended: str) -> None:
+    def note_answer(self, ended: str) -> None:
         """Note that a page got this answer."""
         if ended:
             self._seen.set()
@@ -253,7 +253,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif path == "/state":
             state = self.page.state(query.get("column", []), query.get("field", [""])[0])
             self._answer(json.dumps(state).encode(), "application/json")
-            self.page.told(state["ended"])
+            self.page.note_answer(state["ended"])
         else:
             self._refuse(HTTPStatus.NOT_FOUND)
 

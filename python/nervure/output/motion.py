@@ -49,7 +49,7 @@ class RodPicture:
             self.grid[0, 1].set_axis_off()
         inches = width - layout.LEFT - layout.RIGHT
         self.views[ABOVE].set_title(title(scene, inches - 1.2), loc="left", fontsize="small")
-        self.said = self.grid[0, -1].set_title("", loc="right", fontsize="small")
+        self.caption = self.grid[0, -1].set_title("", loc="right", fontsize="small")
         self.clock = displayed_unit("s", scene.display)[0]
 
     def draw_path(self, path: np.ndarray, times: np.ndarray | None = None) -> None:

@@ -49,12 +49,12 @@ class Figures(Observer):
 
             figures.append(wings.draw(session, mesh))
         figures.append(curves(session))
-        told = f"t = {session.time:.3g} of {session.grid.end:g} {displayed_unit('s', session.scene.display)[0]}"
-        self.display.show({"image/png": png([own for own in figures if own]), "text/plain": told})
+        caption = f"t = {session.time:.3g} of {session.grid.end:g} {displayed_unit('s', session.scene.display)[0]}"
+        self.display.show({"image/png": png([own for own in figures if own]), "text/plain": caption})
 
 
 def curves(session: Session) -> Figure | None:
-    """Draw the columns that tell how a run goes over the time so far; None where there is none."""
+    """Draw the columns that show how a run goes over the time so far; None where there is none."""
     columns, recorder, display = shown_columns(session), session.recorder, session.scene.display
     if not columns:
         return None
@@ -85,16 +85,16 @@ def html(run: Results) -> str:
     summary, display = run.summary, run.scene.display
     clock = displayed_unit("s", display)[0]
     how = "" if summary.completed else f", {summary.error or 'interrupted'}"
-    told = f"{run.scene.name}, {summary.steps} steps to t = {summary.simulated_s:g} {clock}{how}"
-    per_time = f"1/{display.time}" if display else "Hz"
+    caption = f"{run.scene.name}, {summary.steps} steps to t = {summary.simulated_s:g} {clock}{how}"
+    per_time = displayed_unit("1/s", display)[0] if display else "Hz"
     rows = [("quantity", "unit", "mean", "amplitude", f"frequency [{per_time}]")]
     for name, found in summary.quantities.items():
-        unit, scale = displayed_unit(found.unit, display)
+        unit, scale = unit_in(run.scene, found.unit, abs(found.mean) + found.amplitude)
         frequency = f"{found.frequency_hz:.4g}" if found.frequency_hz else "–"
         rows.append((name, unit, f"{found.mean * scale:.4g}", f"{found.amplitude * scale:.4g}", frequency))
     kinds = ("th", *["td"] * (len(rows) - 1))
     lines = ["".join(f"<{kind}>{escape(cell)}</{kind}>" for cell in row) for kind, row in zip(kinds, rows, strict=True)]
-    text = f"<p>{escape(told)}</p><table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
+    text = f"<p>{escape(caption)}</p><table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
     for path in (run.folder / name for name in PICTURES):
         if path.exists():
             content = base64.b64encode(path.read_bytes()).decode()

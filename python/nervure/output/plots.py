@@ -23,7 +23,6 @@ from nervure.output.fields import station_positions, wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import Scales
 from nervure.scene.types import Reference
-from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import TIP
@@ -258,11 +257,11 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: 
 
     if scales and (on_beam := flapping.forces(series, "beam")) is not None:
         series = {**series, **dict(zip(flapping.FORCES, scales.directions(len(on_beam)) @ on_beam, strict=True))}
-        forces, told = [("drag", -1, "thrust"), ("lift", 1, "lift")], "force of the fluid"
+        forces, of_force = [("drag", -1, "thrust"), ("lift", 1, "lift")], "force of the fluid"
         if len(on_beam) > 2:
             forces.append(("side", 1, "side"))
     else:
-        forces, told = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
+        forces, of_force = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
     powers = [
         ("root_power", 1, "in at the root"),
         ("load_power", 1, "by the loads"),
@@ -271,7 +270,7 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: 
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
     width = filter_width(window) if run.scene.fluid else 0.0
     depth = "" if "tip_uz" in series else "/m"
-    for place, curves, named, of in (("force", forces, told, "N"), ("power", powers, "power", "W")):
+    for place, curves, named, of in (("force", forces, of_force, "N"), ("power", powers, "power", "W")):
         shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
             raw = sign * series[column][part]
@@ -287,30 +286,18 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series, scales: 
     for axis in axes.values():  # above the curves, not on them
         axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize="small", frameon=False, borderaxespad=0)
     first = f"t = {window.begin:.3g} {unit('s', run.scene)}"
-    said = f"{window.periods} periods from {first}, the last one dark"
+    caption = f"{window.periods} periods from {first}, the last one dark"
     if width:
-        said += (
+        caption += (
             f"; forces and powers as a mean over T/{1 / FILTER_PERIODS:.0f}, of the last as computed in a light tone"
         )
-    figure.suptitle(f"{title(run.scene, 11)}\n{said}", fontsize="medium")
+    figure.suptitle(f"{title(run.scene, 11)}\n{caption}", fontsize="medium")
     return figure
 
 
-class Pictures(Observer):
-    """Draws the pictures of a session when its results are written."""
-
-    def __init__(self, session: Session):
-        self.session = session
-
-    def finish(self, results: Results) -> None:
-        write(results.folder, [results])
-        if results.summary.error is None and (figure := vorticity(self.session)):
-            save(figure, results.folder / "vorticity.png")
-
-
 def vorticity(session: Session) -> Figure | None:
-    """Draw the fluid as it is now, with still cylinders, and with bodies and beams in their places; None if the fluid
-    shows no field. In space it is the vorticity in a slice, about the axis across it."""
+    """Draw the fluid as it is now, with cylinders, bodies and beams in their places; None if the fluid shows no
+    field. In space it is the vorticity in a slice, about the axis across it."""
     scene, units = session.scene, session.units
     if scene.fluid is None or "fluid" not in units:
         return None

@@ -11,7 +11,7 @@ from nervure.output.fields import outline
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.outline import circle
-from nervure.scene.solids import half_lengths, longest, placed, surface
+from nervure.scene.solids import box_ends, half_lengths, longest, placed, surface
 from nervure.scene.types import Body, Fluid, TimeLawConstant
 
 FINE = 400  # Points of the grid on which an outline is found, along each axis
@@ -102,7 +102,7 @@ def choose(scene: Scene, across: str | None, at: float | None) -> tuple[Plane, i
     assert fluid and fluid.box.z, "the box has three dimensions"
     if across not in (None, "x", "y", "z"):
         raise InputError(f"across is {across}, but must be x, y or z")
-    ends = np.array([fluid.box.x, fluid.box.y, fluid.box.z])
+    ends = np.array(box_ends(fluid))
     solids = [np.clip(points, *ends.T) for points in _at_rest(scene, fluid)]
     longest_of = np.max([np.ptp(points, axis=0) for points in solids], axis=0) if solids else np.zeros(3)
     stream = _stream(fluid)
@@ -118,7 +118,7 @@ def choose(scene: Scene, across: str | None, at: float | None) -> tuple[Plane, i
 
 def cropped(fluid: Fluid, crop: Sequence[float]) -> list[tuple[float, float]]:
     """Return the ends of a part of the box, `x_0, x_1, y_0, …` (m), along each axis."""
-    ends = [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
+    ends = box_ends(fluid)
     parts = list(zip(crop[::2], crop[1::2], strict=False))
     inside = [low <= begin < end <= high for (begin, end), (low, high) in zip(parts, ends, strict=False)]
     if len(crop) != 2 * len(ends) or not all(inside):

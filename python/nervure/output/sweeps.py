@@ -13,6 +13,7 @@ from rich.table import Column, Table
 from nervure.errors import InputError
 from nervure.output import axis_label, displayed_unit, lengths_in, title, unit_in
 from nervure.scene import Scene, validate
+from nervure.scene.solids import cell_lengths
 from nervure.simulation.sweep import FINISHED, Row, short_keys, short_value
 
 if TYPE_CHECKING:
@@ -188,9 +189,7 @@ def _set_logarithmic(axis: "Axes", values: Sequence[float]) -> None:
 def _cell(scene: Scene) -> float:
     """Return the longest side of a cell, m."""
     assert scene.fluid, "cells are those of a fluid"
-    box = scene.fluid.box
-    ends = [end for end in (box.x, box.y, box.z) if end]
-    return max((high - low) / n for (low, high), n in zip(ends, box.cells, strict=True))
+    return max(cell_lengths(scene.fluid))
 
 
 def _scene(folder: Path, row: Row) -> Scene | None:

@@ -10,7 +10,8 @@ from rich.table import Column, Table
 from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate.bodies import ReferenceScales
 from nervure.evaluate.statistics import NOISY, Character
-from nervure.output import axis_label, displayed_unit
+from nervure.output import axis_label, displayed_unit, unit_in
+from nervure.scene import Scene
 from nervure.scene.types import Display
 from nervure.simulation.summary import Published, Quantity, Summary
 
@@ -45,8 +46,9 @@ def _remark(quantity: Quantity) -> str:
     return Character(quantity.state, quantity.drift, quantity.noise).remark()
 
 
-def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:
-    """Print quantities, published values, window and cost of a run; `display` is the key of its scene."""
+def print_table(console: Console, summary: Summary, scene: Scene) -> None:
+    """Print quantities, published values, window and cost of a run of `scene`, in the units of its pictures."""
+    display = scene.display
     known = summary.coefficients is not None and bool(summary.coefficients.reference)
     known |= any(quantity.reference is not None for quantity in summary.quantities.values())
     compared = known and summary.not_compared is None
@@ -70,12 +72,12 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         table.add_row(escape(label), *cells[: len(shown)], *([escape(remark)] if noted else []))
 
     for name, quantity in summary.quantities.items():
-        unit, scale = displayed_unit(quantity.unit, display)
+        unit, scale = unit_in(scene, quantity.unit, abs(quantity.mean) + quantity.amplitude)
         published = quantity.reference or Published()
         mean = axis_label(f"{name} mean", unit)
         row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remark=remarks[name])
         row(axis_label(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
-        per_time = f"1/{display.time}" if display else "Hz"
+        per_time = displayed_unit("1/s", display)[0] if display else "Hz"
         row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
     if found := summary.coefficients:
         for name, value in found.values.items():
@@ -88,7 +90,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
             value = getattr(flapping, field.name)
             if isinstance(value, float):
                 label, unit = FLAPPING[field.name]
-                unit, scale = displayed_unit(unit.removesuffix("/m") if space else unit, display)
+                unit, scale = unit_in(scene, unit.removesuffix("/m") if space else unit, abs(value))
                 row(axis_label(name + label, unit), value, None, 4, scale)
     console.print(table)
     if any(quantity.noise and quantity.noise > NOISY for quantity in summary.quantities.values()):
@@ -107,11 +109,13 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         drift = summary.amplitude_drift
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
+    bends = "wing" if scene.wing else "rod"
     for name, (_, work) in rods.items():
         if work and work.imbalance is not None:
             console.print(
-                f"interface: work on the rod {name}{work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
-                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J{_told(work.imbalance)}",
+                f"interface: work on the {bends} {name}{work.work_on_rod:.4g} J, "
+                f"by the fluid {work.work_by_fluid:.4g} J, {work.imbalance:+.1%} of "
+                f"{work.exchanged:.4g} J{_judge(work.imbalance)}",
                 soft_wrap=True,
             )
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
@@ -119,7 +123,7 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     console.print(f"{reached} in {summary.wall_s:.1f} s of wall time ({phases})", soft_wrap=True)
 
 
-def _told(imbalance: float) -> str:
+def _judge(imbalance: float) -> str:
     return f"; more than {WARN_RATIO:.0%} is too much" if abs(imbalance) > WARN_RATIO else ""
 
 

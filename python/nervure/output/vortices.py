@@ -16,7 +16,7 @@ from nervure.errors import InputError
 from nervure.extras import require
 from nervure.output import displayed_unit, lengths_in, title
 from nervure.output.space import cropped
-from nervure.scene.solids import half_lengths, longest, placed, surface
+from nervure.scene.solids import box_ends, cell_lengths, half_lengths, longest, placed, surface
 from nervure.scene.types import (
     Body,
     Scene,
@@ -94,9 +94,7 @@ class Space:
         self.pyvista = require("pyvista", "a picture of vortices")
         self.pyvista.vtk_verbosity("off")  # without a display VTK says so, and draws in memory
         self.scene, self.fluid, self.look = scene, scene.fluid, look
-        self.ends = [scene.fluid.box.x, scene.fluid.box.y, scene.fluid.box.z]
-        cells = scene.fluid.box.cells
-        self.spacing = [(high - low) / n for (low, high), n in zip(self.ends, cells, strict=True)]
+        self.ends, self.spacing, cells = box_ends(self.fluid), cell_lengths(self.fluid), scene.fluid.box.cells
         self.axes = [
             low + step * np.arange(n) for (low, _), step, n in zip(self.ends, self.spacing, cells, strict=True)
         ]
@@ -204,12 +202,12 @@ class Space:
         plotter.add_mesh(pyvista.Box(bounds).extract_all_edges(), color="gray")
         self._mark_sponge(plotter, ink)
         clock = displayed_unit("s", self.scene.display)[0]
-        told: dict[str, Any] = {"viewport": True, "font_size": 8, "color": ink}
-        plotter.add_text(title(self.scene, 7.0), position=(0.02, 0.95), **told)
+        style: dict[str, Any] = {"viewport": True, "font_size": 8, "color": ink}
+        plotter.add_text(title(self.scene, 7.0), position=(0.02, 0.95), **style)
         ends = zip("xyz", self.part, strict=True)
         size = ", ".join(f"{axis} {scale * low:.3g} to {scale * high:.3g}" for axis, (low, high) in ends)
         level = f"Q = {self.strength:.2g} {displayed_unit('1/s', self.scene.display)[0]}²"
-        plotter.add_text(f"t = {flow.time:.3f} {clock}, {level}, {size} {unit}", position=(0.02, 0.02), **told)
+        plotter.add_text(f"t = {flow.time:.3f} {clock}, {level}, {size} {unit}", position=(0.02, 0.02), **style)
         plotter.add_axes(color=ink, line_width=2)
         plotter.enable_parallel_projection()
         direction = np.array(CAMERA if look.camera is None else look.camera, float)

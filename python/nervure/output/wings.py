@@ -13,8 +13,6 @@ from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots
 from nervure.output.fields import wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import WingMesh
-from nervure.simulation.loop import Observer
-from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 
 FLAT = 0.15  # Least extent of the axes, relative to the largest
@@ -23,6 +21,11 @@ DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
 ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
 VEIN, ROOT, MESH = 1.2, 2.4, 0.15  # Widths of lines
 LABEL = 8.0  # Distance of the label of an axis, points
+TALL = 0.83  # Height of a tall box in its axes, by that of a box of matplotlib's own size
+SIN, COS = np.sin(np.radians([ABOVE, ASIDE])), np.cos(np.radians([ABOVE, ASIDE]))
+UP = np.array([SIN[0] * COS[1], -SIN[0] * SIN[1], COS[0]])  # Parts of x, y and z in the height of a box
+SLIM = 0.6  # Least slimness at which labels of z have wider distances
+PADS = ((3.5, 8.0), (LABEL, 21.0))  # Distances of ticks and label, and what matplotlib adds to them, points
 CORNER, MEETING = 0.06, ((0, 1), (1, 1), (1, 0))  # Room without ticks where axes meet, and at which ends of x, y, z
 NOWHERE = np.empty((0, 3))
 TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, in turn
@@ -30,7 +33,7 @@ TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, i
 
 class WingPicture:
     """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
-    its tip, `[times, 3]`, m."""
+    its tip, `[times, 3]`, m. What is drawn may be wider than their square."""
 
     def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, path: np.ndarray, width: float):
         everything = np.concatenate([points.reshape(-1, 3), path])
@@ -40,7 +43,8 @@ class WingPicture:
         self.mesh = mesh
         is_tall = bool(half[2] > half.max() / 2)
         self.figure = Figure(figsize=(width, (0.95 if is_tall else 0.62) * width))
-        place: Any = self.figure.add_axes((0.02, 0.0, 0.96, 0.92), projection="3d", computed_zorder=False)
+        bottom = 0.05 if is_tall else 0.0
+        place: Any = self.figure.add_axes((0.02, bottom, 0.96, 0.92 - bottom), projection="3d", computed_zorder=False)
         self.axes = place
         for i, axis in enumerate("xyz"):
             ends = self.scale * ((low + high) / 2 + np.array([[-1], [1]]) * half)[:, i]
@@ -53,18 +57,21 @@ class WingPicture:
             getattr(self.axes, f"set_{axis}ticks")(kept)
         self.axes.tick_params(labelsize="small")
         self.axes.set_proj_type("ortho")
-        self.axes.set_box_aspect(half, zoom=0.88 if is_tall else 1.25)
+        self.axes.set_box_aspect(half, zoom=TALL * np.linalg.norm(half) / (UP @ half) if is_tall else 1.25)
+        slim = max(1.0, SLIM * half.max() / np.hypot(*half[:2]))  # Labels of z go outwards by parts of x and y
+        pad, self.axes.zaxis.labelpad = (slim * (own + more) - more for own, more in PADS)
+        self.axes.tick_params(axis="z", pad=pad)
         self.axes.view_init(elev=ABOVE, azim=ASIDE)
-        self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1)
+        self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1, clip_on=False)
         self.axes.add_collection3d(self.skin, autolim=False)
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
         self.root = self._line(ROOT, "0.15")
         self.figure.suptitle(title(scene, width - 2.0), fontsize="small", x=0.02, ha="left")
-        self.said = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
+        self.caption = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
         self.clock = displayed_unit("s", scene.display)[0]
 
     def _line(self, width: float, colour: str) -> Line3D:
-        line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2)[0]
+        line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2, clip_on=False)[0]
         return line
 
     def show(self, points: np.ndarray) -> None:
@@ -80,12 +87,14 @@ class WingPicture:
     def add(self, points: np.ndarray) -> None:
         """Add a shape in a light tone behind the shape that is shown."""
         corners = self.scale * points[self.mesh.triangles]
-        skin = Poly3DCollection(corners, facecolors=shades(corners), alpha=0.25, linewidths=0.0, zorder=0)
+        look: dict[str, Any] = {"alpha": 0.25, "linewidths": 0.0, "zorder": 0, "clip_on": False}
+        skin = Poly3DCollection(corners, facecolors=shades(corners), **look)
         self.axes.add_collection3d(skin, autolim=False)
 
     def draw_path(self, path: np.ndarray) -> None:
         """Draw the path of the tip, `[times, 3]`, m."""
-        self.axes.plot(*(self.scale * path.T), color="0.6", linewidth=0.8, zorder=0, scalex=False, scaley=False)
+        look: dict[str, Any] = {"color": "0.6", "linewidth": 0.8, "zorder": 0, "clip_on": False}
+        self.axes.plot(*(self.scale * path.T), scalex=False, scaley=False, **look)
 
 
 def shades(corners: np.ndarray) -> np.ndarray:
@@ -115,19 +124,9 @@ def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
         parts.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}")
         squares = [Patch(color=TINTS[i % len(TINTS)], label=region.name) for i, region in enumerate(regions)]
         picture.figure.legend(handles=squares, loc="lower left", fontsize="small", frameon=False)
-    picture.said.set_text(", ".join(parts))
+    picture.caption.set_text(", ".join(parts))
     folder.mkdir(parents=True, exist_ok=True)
     return plots.save(picture.figure, folder / "mesh.png")
-
-
-class Shape(Observer):
-    """Draws wing.png, the shape of the wing of a session when its results are written."""
-
-    def __init__(self, session: Session, mesh: WingMesh):
-        self.session, self.mesh = session, mesh
-
-    def finish(self, results: Results) -> None:
-        plots.save(draw(self.session, self.mesh), results.folder / "wing.png")
 
 
 def draw(session: Session, mesh: WingMesh) -> Figure:
@@ -135,5 +134,5 @@ def draw(session: Session, mesh: WingMesh) -> Figure:
     points = wing_nodes(session.units["wing"])
     picture = WingPicture(session.scene, mesh, points[None], NOWHERE, plots.WIDTH)
     picture.show(points)
-    picture.said.set_text(f"t = {session.time:.3f} {picture.clock}")
+    picture.caption.set_text(f"t = {session.time:.3f} {picture.clock}")
     return picture.figure

@@ -95,4 +95,14 @@ def surface(body: Body) -> tuple[np.ndarray, np.ndarray] | None:
 def longest(fluid: Fluid) -> float:
     """Return the diagonal of the box, m."""
     assert fluid.box.z, "the box has three dimensions"
-    return float(np.linalg.norm([high - low for low, high in (fluid.box.x, fluid.box.y, fluid.box.z)]))
+    return float(np.linalg.norm(np.diff(box_ends(fluid))))
+
+
+def box_ends(fluid: Fluid) -> list[tuple[float, float]]:
+    """Return the ends of the box along each of its axes, m."""
+    return [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
+
+
+def cell_lengths(fluid: Fluid) -> tuple[float, ...]:
+    """Return the lengths of a cell along each axis, m."""
+    return tuple((high - low) / n for (low, high), n in zip(box_ends(fluid), fluid.box.cells, strict=True))

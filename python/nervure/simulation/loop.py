@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from time import perf_counter, process_time
 
 from nervure.coupling import CouplingError, Scheme
@@ -25,7 +26,7 @@ class TimeGrid:
     end: float
     communication_step: float
 
-    @property
+    @cached_property
     def steps(self) -> int:
         """Number of communication steps."""
         return max(1, math.ceil(self.end / self.communication_step - STEP_ROUNDING))

@@ -1,7 +1,8 @@
 """Detect grid-scale oscillations, which extrapolated advection amplifies at large time steps.
 
-In a stream U a wave of the wave number k grows with the rate 3/4 (k U)⁴ dt³ by SBDF2, the first term of its
-amplification factor, and decays with ν k². Results hardly show it: such waves cancel in forces.
+In a stream U, SBDF2 with three terms of extrapolation amplifies waves of the wave number k where k U dt > 0.67. Heun's
+method amplifies all with the rate 1/8 (k U)⁴ dt³, the first term of its amplification factor, while they decay with
+ν k². Results hardly show it: such waves cancel in forces.
 """
 
 from collections.abc import Iterator, Sequence
@@ -9,12 +10,13 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from nervure.coupling.guards import below
+from nervure.scene.solids import cell_lengths
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import TimeGrid
 from nervure.units.fmu import Unit
 
 LEFT = 0.8  # Of the highest wave number: above, the filter damps
-GROWTH = {"sbdf2": 3 / 4, "rk2": 1 / 8}  # Of a wave per (k U)⁴ dt³
+NEUTRAL = 0.67  # k U dt up to which SBDF2 amplifies no wave
 SHORT, LONGER = (0.7, 0.85), (0.5, 0.65)  # Bands of waves, parts of the highest wave number; in flows the first is less
 LEAST = 0.005  # Part of the enstrophy in short waves above which the run warns
 CHECKS = 8  # In a run
@@ -44,11 +46,9 @@ class GridOscillationMonitor:
         return again
 
     def _found(self, time: float) -> Iterator[tuple[str, str]]:
-        vorticity, box = _plane(self.fluid, "vorticity"), self.flow.box
+        vorticity, cells = _plane(self.fluid, "vorticity"), cell_lengths(self.flow)
         if not vorticity.any():
             return
-        ends = (own for own in (box.x, box.y, box.z) if own)
-        cells = [(high - low) / n for (low, high), n in zip(ends, box.cells, strict=True)]
         speeds = [float(np.abs(_plane(self.fluid, name)).max(initial=0.0)) for name in "uvw"[: len(cells)]]
         rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True)) or np.finfo(float).tiny
         step = min(self.longest, self.flow.time_stepping.max_cfl / rate)
@@ -82,6 +82,7 @@ def _share(by_order: np.ndarray, low: float, high: float) -> float:
 
 def _longest_step(flow: Fluid, cell: float, speed: float) -> float:
     """Return the step (s) above which a wave along an axis with cells of `cell` (m) grows at `speed` (m/s)."""
-    k = LEFT * np.pi / cell
-    growth = GROWTH[flow.time_stepping.scheme]
-    return float((flow.kinematic_viscosity / (growth * k**2 * max(speed, 1e-30) ** 4)) ** (1 / 3))
+    k, speed = LEFT * np.pi / cell, max(speed, 1e-30)
+    if flow.time_stepping.scheme == "sbdf2":
+        return float(NEUTRAL / (k * speed))
+    return float((8 * flow.kinematic_viscosity / (k**2 * speed**4)) ** (1 / 3))

@@ -21,7 +21,7 @@ class Places:
     """Checks the places of the parts of a run now and then, and warns of each thing once."""
 
     def __init__(self, facts: Facts, units: Mapping[str, Unit]):
-        self.scene, fluid, wing = text(facts.scene), units.get("fluid"), units.get("wing")
+        self.monitor, fluid, wing = library.monitor(text(facts.scene)), units.get("fluid"), units.get("wing")
         self.bodies: list[Reader | None] = []
         if part := facts.scene.fluid:
             for k, body in enumerate(part.bodies, 1):
@@ -42,7 +42,7 @@ class Places:
             "wing": self.wing and self.wing().tolist(),
             "memory": self.memory,
         }
-        answer = library.monitor(places, self.scene)
+        answer = self.monitor(places)
         self.memory = answer["memory"]
         yield from counted(answer["warnings"])
 

@@ -1,6 +1,7 @@
 """A run of a scene from its units to its results: everything that runs a scene goes through here."""
 
 from collections.abc import Callable, Collection, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,6 +12,7 @@ from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
+from nervure.scene.solids import cell_lengths
 from nervure.simulation import results
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
@@ -20,7 +22,7 @@ from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
 from nervure.units import package
-from nervure.units.describe import describe_all, unit_label
+from nervure.units.describe import Description, describe_all, unit_label, unit_names
 from nervure.units.fmu import Unit, read_description
 
 CHECKS, CHECK_EVERY = 100, 40  # Least checks of places in a run, and most steps between two
@@ -35,8 +37,9 @@ class Session(TimeLoop):
             session.run()  # or `start`, and `step` for each step
             results = session.finish()
 
-    The units are unpacked into a temporary folder, or are the FMUs `fmus`, of which `foreign` are not ours. `drive`
-    moves roots and bodies that the scene leaves to the master; `scheme` makes another coupling scheme of the units.
+    The units are the FMUs `fmus`, of which `foreign` are not ours; the other ones are laid out in a temporary folder,
+    as `described` or else as the scene describes them. `drive` moves roots and bodies that the scene leaves to the
+    master; `scheme` makes another coupling scheme of the units.
     `series_every` is the time between two rows of the series, s, rounded to whole steps.
     """
 
@@ -47,6 +50,7 @@ class Session(TimeLoop):
         fmus: Mapping[str, Path] | None = None,
         *,
         foreign: Collection[str] = (),
+        described: Mapping[str, Description] | None = None,
         drive: Drive | None = None,
         scheme: Callable[[Units], Scheme] | None = None,
         series_every: float | None = None,
@@ -57,12 +61,13 @@ class Session(TimeLoop):
         self.stale_files = results.field_files(self.folder)
         """Files of an earlier run in the folder, which `finish` removes."""
         self.units: Units = {}
+        self.fmus, self.foreign = dict(fmus or {}), foreign
         with ExitStack() as stack:
-            if fmus is None:
-                place = Path(stack.enter_context(TemporaryDirectory()))
-                fmus = {unit: package.lay_out(own, place) for unit, own in describe_all(scene).items()}
-            self.fmus, self.foreign = fmus, foreign
-            for unit, path in fmus.items():
+            names = unit_names(scene)
+            if missing := [name for name in names if name not in self.fmus]:
+                place, own = Path(stack.enter_context(TemporaryDirectory())), described or describe_all(scene)
+                self.fmus |= {name: package.lay_out(own[name], place) for name in missing}
+            for unit, path in ((name, self.fmus[name]) for name in names):
                 # Ours may go on after the end, from a checkpoint.
                 self.units[unit] = Unit(path, unit_label(unit), grid.end if unit in foreign else None)
                 stack.callback(self.units[unit].close)
@@ -81,16 +86,16 @@ class Session(TimeLoop):
         """Give the guards the numbers from which they compute advice."""
         if (fluid := self.scene.fluid) is None or not self.scheme.guards:
             return
-        box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
-        ends = (end for end in (box.x, box.y, box.z) if end)
         ratio = fluid.fine_box.ratio if fluid.fine_box else 1
-        cell = tuple((high - low) / count / ratio for (low, high), count in zip(ends, box.cells, strict=True))
+        cell = tuple(length / ratio for length in cell_lengths(fluid))
+        stepping, (mask,) = fluid.time_stepping, fluid.mask.document().values()
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]
         if self.scene.wing:
             bodies = [(max(cell), True)]
-        numbers, cfl = (tuple(box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step), self.facts.numbers
+        numbers = tuple(fluid.box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step
+        cfl = self.facts.numbers
         for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):
             guard.limits = Limits(*numbers, thickness, line, self.facts.fluid_steps, (cfl and cfl.cfl) or 0.0)
 
@@ -118,12 +123,16 @@ class Session(TimeLoop):
         theirs = {name: read_description(path).modelName for name, path in foreign.items() if name in units}
         models = {name: unit.model for name, unit in units.items()} | theirs
         stale = results.check_output_folder(folder, scene, models, force)
+        with ThreadPoolExecutor() as packers:  # To compress a library leaves Python to the session
+            ours = units.keys() - foreign.keys()
+            packing = {name: packers.submit(package.pack, units[name], folder) for name in ours}
+            session = cls(scene, folder, foreign, foreign=foreign.keys(), described=units, series_every=series_every)
         try:
-            fmus = {name: foreign.get(name) or package.pack(unit, folder) for name, unit in units.items()}
+            session.fmus |= {name: packed.result() for name, packed in packing.items()}
         except OSError as error:
+            session.close()
             raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
-        session = cls(scene, folder, fmus, foreign=foreign.keys(), series_every=series_every)
-        session.stale_files |= stale - {path.parent.resolve() / path.name for path in fmus.values()}
+        session.stale_files |= stale - {path.parent.resolve() / path.name for path in session.fmus.values()}
         return session
 
     def start(self) -> None:

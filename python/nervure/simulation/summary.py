@@ -3,11 +3,9 @@
 A field with the default None is left out of the file where it is None.
 """
 
-import platform
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -20,7 +18,7 @@ from nervure.evaluate.bodies import BodyCoefficients
 from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
-from nervure.provenance import Machine, Revision, git_revision, machine
+from nervure.provenance import Machine, Revision, git_revision, machine, versions
 from nervure.scene import Scene
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
@@ -241,20 +239,20 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
 
 
 def _forces(series: Series) -> np.ndarray | None:
-    """Drag, lift and in space side, `[axes, samples]`; None without a fluid."""
+    """Return drag, lift and in space side, `[axes, samples]`; None without a fluid."""
     found = [series[name] for name in FORCES if name in series]
     return np.array(found) if len(found) > 1 else None
 
 
 def _along(time: np.ndarray, path: np.ndarray) -> np.ndarray:
-    """The component of a path along its principal direction."""
+    """Return the component of a path along its principal direction."""
     component: np.ndarray = statistics.principal_direction(time, path) @ path
     return component
 
 
 def _motion(series: Series, mounted: bool = False) -> np.ndarray | None:
-    """The prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle. With
-    `mounted` that of a body on springs, whose velocity is recorded too."""
+    """Return the prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle. With
+    `mounted` it is that of a body on springs, whose velocity is recorded too."""
     moving: dict[str, list[str]] = {}
     tail = statistics.last_third(series["time"]).of(series["time"])
     for column in series:
@@ -320,7 +318,7 @@ def summarize(
     status: RunStatus,
     warnings: Sequence[str] = (),
 ) -> Summary:
-    """Evaluate a run, of which `warnings` were told."""
+    """Evaluate a run that gave `warnings`."""
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
     rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
@@ -376,7 +374,7 @@ def summarize(
         phases_s=inside | {"exchange_and_python": status.wall - sum(inside.values())},
         units={kind: UnitInfo(d.modelName, d.version, d.generationTool, d.guid) for kind, d in about.items()},
         series=recorder.units,
-        versions={"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")},
+        versions=versions(),
         git=git_revision(),
         machine=machine(),
         warnings=[*facts.warnings, *warnings, *_imbalances(series, facts)] or None,

@@ -120,12 +120,12 @@ def variation(text: str) -> Variation:
     values: Variation = {}
     for part in re.split(r";(?=\s*[\w.]+=)", text):
         key, equals, listed = (word.strip() for word in part.partition("="))
-        whole = json_or_text(listed)
-        if not (key and equals and listed) or whole == []:
+        parsed = json_or_text(listed)
+        if not (key and equals and listed) or parsed == []:
             raise SceneError(f"the variation `{part.strip()}` must be of the form key=value,value,… or key=[value, …]")
         if key in values:
             raise SceneError(f"the variations name a key twice: {key}")
-        values[key] = whole if isinstance(whole, list) else [json_or_text(one) for one in listed.split(",")]
+        values[key] = parsed if isinstance(parsed, list) else [json_or_text(one) for one in listed.split(",")]
     return values
 
 
@@ -264,8 +264,8 @@ def run(
         _collect(folder, rows)
         ended += 1
         reached(case.folder, case.steps)
-        told = row["reason"] or f"in {row['wall_s']:.1f} s"
-        say(f"{case.folder}: {row['status']} {told}")
+        how = row["reason"] or f"in {row['wall_s']:.1f} s"
+        say(f"{case.folder}: {row['status']} {how}")
 
     try:
         with claimed(folder), undone_on_error(folder) as started:
@@ -346,11 +346,11 @@ def _distribute(
             from dask.system import CPU_COUNT
 
             # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
-            quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
+            options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
             size = {"n_workers": min(workers or CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
             stack.enter_context(_main_not_imported())
             with _without_interrupts():
-                scheduler = stack.enter_context(distributed.LocalCluster(**size, **quiet))
+                scheduler = stack.enter_context(distributed.LocalCluster(**size, **options))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:
@@ -367,9 +367,9 @@ def _distribute(
             raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
 
         def hear(event: tuple[float, Any]) -> None:
-            told = event[1]
-            if told["folder"] in {case.folder for case in list(running.values())}:
-                reached(told["folder"], told["steps"])
+            report = event[1]
+            if report["folder"] in {case.folder for case in list(running.values())}:
+                reached(report["folder"], report["steps"])
 
         waiting, running, done = iter(cases), dict[Any, Case](), SimpleQueue[Any]()
         client.subscribe_topic(PROGRESS, hear)

@@ -98,15 +98,15 @@ def terminals(description: str) -> str:
     arrays = [v for v in _variables(description) if v.members and v.about.get("causality") in ("input", "output")]
     listed: dict[str, Any] = {}
     for array in arrays:
-        whole = array.about is array.value
+        is_one = array.about is array.value  # In FMI 3.0
         beam = found[0] if (found := BEAM.match(array.name)) else ""
         own = array.name.removeprefix(beam)
-        group = TERMINALS.get(own, own) if whole else own
+        group = TERMINALS.get(own, own) if is_one else own
         name = beam + group
         if name not in listed:
             about = array.about.get("description") if group == own else DESCRIPTIONS[group]
             listed[name] = E.Terminal(name=name, matchingRule="plug", description=about)
-        for member in [array.name] if whole else array.members:
+        for member in [array.name] if is_one else array.members:
             names = {"variableName": member, "memberName": member.removeprefix(beam)}
             listed[name].append(E.TerminalMemberVariable(**names, variableKind="signal"))
     root = E.fmiTerminalsAndIcons(*([E.Terminals(*listed.values())] if listed else []), fmiVersion="3.0")

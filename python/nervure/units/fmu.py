@@ -255,10 +255,10 @@ class Unit:
     def read(self, name: str) -> np.ndarray:
         """Return the values of any Real or Integer variable."""
         variable, fmu = self.variables[name], self.fmu
-        whole = variable.kind == "Integer"
+        is_integer = variable.kind == "Integer"
         if self.version == 2:
-            return np.array(self._call(fmu.getInteger if whole else fmu.getReal, variable.references))
-        return np.array(self._call(fmu.getInt32 if whole else fmu.getFloat64, variable.references, variable.size))
+            return np.array(self._call(fmu.getInteger if is_integer else fmu.getReal, variable.references))
+        return np.array(self._call(fmu.getInt32 if is_integer else fmu.getFloat64, variable.references, variable.size))
 
     def reader(self, names: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return a function that reads Real variables of one size, `[size, len(names)]`; those that every step fetches
@@ -323,10 +323,10 @@ class Unit:
         """Return a failure in the unit's own words, or else as `what`, with the time (s) and length (s) of `step`."""
         if status == FMI_FATAL:
             self.fmu.component = None  # no function may be called for it any more, not even to free it
-        said = "; ".join(dict.fromkeys(_messages[self.name])) or what
-        if step and "t = " not in said:
-            said += f" in the step from t = {step[0]:g} s to {sum(step):g} s"
-        return UnitFailure(f"{self.name}: {said}")
+        reason = "; ".join(dict.fromkeys(_messages[self.name])) or what
+        if step and "t = " not in reason:
+            reason += f" in the step from t = {step[0]:g} s to {sum(step):g} s"
+        return UnitFailure(f"{self.name}: {reason}")
 
 
 def prefixes(rods: int, wing: bool = False) -> list[str]:

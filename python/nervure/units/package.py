@@ -48,14 +48,14 @@ def pack(
 
 
 def lay_out(unit: Description, folder: Path) -> Path:
-    """Lay out what a unit of FMI 2.0 needs to run here, with a link to its library, in a new folder below `folder`;
-    return the path. It takes a hundredth of the time of packing and unpacking an FMU."""
+    """Lay out what a unit needs to run here, with a link to its library, in a new folder below `folder`; return the
+    path. It takes a hundredth of the time of packing and unpacking an FMU."""
     place, built = folder / unit.unit, library(unit.kind)
-    (place / "binaries" / PLATFORM[2]).mkdir(parents=True)
+    linked = place / "binaries" / PLATFORM[unit.version] / f"fmu_{unit.kind}{SUFFIX}"
+    linked.parent.mkdir(parents=True)
     (place / "resources").mkdir()
     (place / "modelDescription.xml").write_text(unit.xml, encoding="utf-8")
     (place / "resources" / "scene.json").write_text(unit.scene, encoding="utf-8")
-    linked = place / "binaries" / PLATFORM[2] / f"fmu_{unit.kind}{SUFFIX}"
     try:
         linked.symlink_to(built.resolve())
     except OSError:  # Windows allows links to some users only

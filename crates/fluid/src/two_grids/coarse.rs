@@ -211,11 +211,18 @@ where
         let dt = (*ratio as f64 * fine.dt).min(longest).max(fine.dt);
         let end = fine.end - fine.dt + link.ahead + dt;
         let step = Substep { dt, end, stations: &[], displacements: &[], ahead: None, ..*fine };
+        let is_first = present.step == 0.0;
         scheme.step(&step, flow, present, problem)?;
         link.ahead += dt;
         link.length = dt;
         link.ends.swap(0, 1);
         self.write_end();
+        if is_first {
+            // Before the first step nothing is known of G: 0 would be late by a step, and the order in time one.
+            let first = (D + <[f64; D]>::VORTICITY) * self.background.transfer.len();
+            let [before, end] = &mut self.link.ends;
+            before[first..].copy_from_slice(&end[first..]);
+        }
         Ok(())
     }
 

@@ -172,15 +172,17 @@ where
         });
     }
 
-    /// Take I U off `w`, damp what is left in the rim, and restrict what that takes in a step of `dt` with c_0 (1/s).
-    fn take_off(&mut self, team: &Team, c_0: f64, dt: f64, crossing_rate: f64) {
+    /// Take I U off `w` = u* + tau G, damp what is left of u* in the rim, and restrict what that takes in a step of `dt`
+    /// with c_0 (1/s).
+    fn take_off(&mut self, team: &Team, flow: &Flow<R, D>, c_0: f64, dt: f64, crossing_rate: f64) {
         for (left, share) in self.left.iter_mut().flatten().zip(self.damping.iter().flatten()) {
             *left = 1.0 / (1.0 + DAMPING * crossing_rate * share / c_0);
         }
         let Self { fine, coarse, left, of_planes, damped, room, .. } = self;
         let background = &coarse.background;
         let (transfer, of_plane) = (&background.transfer, background.transfer.plane_len());
-        let (w, _) = fine.solved();
+        let (w, last, inv_tau) = fine.w_and_last();
+        let (share, points) = (inv_tau / c_0, w[0].len() / transfer.planes());
         let planes = points_of_planes_mut(w, transfer.planes());
         let parts = planes.zip(of_planes.chunks_exact_mut(D * of_plane)).enumerate();
         team.share_with(room, nothing, parts, |(plane, (w, of_planes)), Room { rows, row: own, of_row }| {
@@ -188,12 +190,18 @@ where
             for ((axis, w), sums) in w.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
                 transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let w = &mut w[row * values.len()..][..values.len()];
+                    let first = row * values.len();
+                    let w = &mut w[first..][..values.len()];
+                    let known = [&last[axis], &flow.velocity[axis]].map(|of| &of[plane * points + first..][..w.len()]);
                     let of_rows = across(left, plane, row);
-                    for (((own, w), coarse), left) in own.iter_mut().zip(w).zip(values).zip(&left[D - 1]) {
-                        let correction = w.to_f64() - coarse;
-                        let kept = of_rows * left * correction;
-                        (*own, *w) = (correction - kept, R::rounded(kept));
+                    for (k, (own, w)) in own.iter_mut().zip(w).enumerate() {
+                        let (correction, left) = (w.to_f64() - values[k], of_rows * left[D - 1][k]);
+                        *own = 0.0;
+                        if left < 1.0 {
+                            let tau_g = share * (known[0][k].to_f64() - known[1][k].to_f64());
+                            *own = (1.0 - left) * (correction - tau_g);
+                        }
+                        *w = R::rounded(correction - *own);
                     }
                     let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
                     transfer.restrict_row(row, own, nothing, of_row, sums);
@@ -289,7 +297,7 @@ where
         self.write_source(step.team);
         let scheme = self.fine.solve_in_space(step, flow, present, problem)?;
         self.check_places(step.end, problem)?;
-        self.take_off(step.team, scheme.c[0], step.dt, crossing_rate);
+        self.take_off(step.team, flow, scheme.c[0], step.dt, crossing_rate);
         // The flow before the last one is lost only if the sum is slow enough.
         let limit = step.limit() - self.coarse.advection_rate(&self.spacing);
         let advection_rate = self.fine.solve_in_fourier_space(step, &scheme, None, limit, present, problem);

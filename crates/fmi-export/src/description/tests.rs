@@ -3,9 +3,10 @@
 use std::slice::from_mut;
 
 use super::*;
+use crate::instance::{load, load_described};
 use crate::log::Log;
 
-/// A model whose only parameter starts at `start`, in `unit`, and whose output is one value short if `short`.
+/// A model whose only parameter starts at `start`, in `unit`, and whose input is one value short if `short`.
 struct Probe {
     unit: &'static str,
     start: f64,
@@ -23,6 +24,10 @@ impl Model for Probe {
         Ok(PROBE)
     }
 
+    fn build(&mut self) -> Result<(), String> {
+        Err("there is no solver".into())
+    }
+
     fn description(&self) -> Description {
         Description { model_name: "A & B".into(), text: "<\"probe\">".into(), step: 1e-7, ..Description::default() }
     }
@@ -30,14 +35,12 @@ impl Model for Probe {
     fn variables(&self) -> Vec<Variable<Self>> {
         type Real = crate::Real<Probe>;
         vec![
-            Real::input("u", "m", "", |probe| &mut probe.u).array(2),
+            Real::input("u", "m", "", |probe| &mut probe.u[..if probe.short { 1 } else { 2 }]).array(2),
             Real::parameter("p", self.unit, "", |probe| from_mut(&mut probe.start)).at_least(0.0).below(9.0),
             crate::Integer::local("mode", "", |_| &[2]).enumeration("Mode", &["off", "on"]).constant(),
             Real::local("T", "degC", "", |_| &[0.0]).display_unit("K").nominal(300.0).discrete(),
             Real::local("area", "m2", "", |_| &[1.0]).display_unit("mm2").calculated_parameter(),
-            Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
-                .array(2)
-                .depends_on(&["u"]),
+            Real::output("y", "m", "", |_| &[0.0; 2]).array(2).depends_on(&["u"]),
             crate::Text::parameter("words", "", |probe: &mut Probe| &mut probe.words).array(2),
             Real::time(),
         ]
@@ -134,7 +137,7 @@ fn in_fmi_3_an_array_is_one_variable_with_a_dimension() {
 #[test]
 fn a_wrong_length_is_refused_with_both_numbers() {
     let message = describe(Probe { short: true, ..PROBE }).err().unwrap();
-    assert!(message.contains("y: the model returns 1 values, the list declares 2"), "{message}");
+    assert!(message.contains("u: the model returns 1 values, the list declares 2"), "{message}");
 }
 
 #[test]
@@ -143,4 +146,11 @@ fn a_start_value_outside_its_limits_is_refused() {
         let message = describe(Probe { start, ..PROBE }).err().unwrap();
         assert!(message.contains("start value p = "), "{message}");
     }
+}
+
+#[test]
+fn a_description_needs_no_solver_and_an_instance_does() {
+    let (_, _, Document { guid, .. }) = load::<Probe>(&Resources::default(), Version::Fmi2).unwrap();
+    let message = load_described::<Probe>(None, &guid, Version::Fmi2).err().unwrap();
+    assert_eq!(message, "there is no solver");
 }
