@@ -8,6 +8,7 @@ use crate::bodies::{Carried, Placement, Pose};
 use crate::error::Error;
 use crate::field::is_available;
 use crate::force::Exchange;
+use crate::grid::Grid;
 use crate::limits::{Contour, StepLimits};
 use crate::outlet::Outlet;
 use crate::parameters::{Extent, Flexible, Parameters};
@@ -39,6 +40,8 @@ where
     [f64; D]: Solvable<D>,
 {
     pub(crate) problem: Problem<D>,
+    /// Grid of the domain.
+    pub(crate) grid: Grid<D>,
     pub(crate) present: Present<D>,
     pub(crate) solver: Box<dyn FluidSolver<D>>,
     pub(crate) density: f64,
@@ -94,7 +97,7 @@ where
     /// [`Error::Parameter`] for parameters with which no step can be made.
     pub fn new(parameters: &Parameters<D>) -> Result<Self, Error> {
         parameters.check()?;
-        let mut problem = Problem::new(parameters);
+        let mut problem = Problem::new(&parameters.around_bodies());
         let stations: Vec<_> = parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect();
         problem.place(&Placement { time: 0.0, displacements: &[], stations: &stations, before: &stations });
         let carried = vec![Carried::default(); problem.bodies.carried().count()];
@@ -126,6 +129,7 @@ where
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
         let mut fluid = Self {
             solver: <[f64; D]>::new_solver(parameters),
+            grid: parameters.grid(),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
@@ -164,7 +168,7 @@ where
 
     /// Return the approximate memory of a fluid, bytes.
     pub fn bytes(parameters: &Parameters<D>) -> usize {
-        let cells = parameters.cells.iter().product::<usize>();
+        let cells = parameters.all_cells();
         let body = |stations: usize, extent: &Extent| {
             let has_mask = matches!(extent, Extent::Band { .. });
             BYTES_PER_STATION * stations + if has_mask { BYTES_PER_BEAM_AND_CELL * cells } else { 0 }
@@ -177,7 +181,14 @@ where
     /// Return the approximate memory of a state, bytes.
     pub fn state_bytes(&self) -> usize {
         let stations = self.motion.target.iter().map(Stations::len).sum::<usize>();
-        numbers_of_state::<D>() * self.bytes_per_number * self.problem.grid.len() + BYTES_PER_STATION * stations
+        let cells = self.cells();
+        numbers_of_state::<D>() * self.bytes_per_number * cells + BYTES_PER_STATION * stations
+    }
+
+    /// Return the number of cells, of both grids.
+    fn cells(&self) -> usize {
+        let (own, bodies) = (self.grid.len(), self.problem.grid.len());
+        if self.grid.cells == self.problem.grid.cells { own } else { own + bodies }
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
@@ -189,9 +200,8 @@ where
 
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
     pub fn set_velocity(&mut self, velocity: impl Fn([f64; D]) -> [f64; D]) {
-        let grid = self.problem.grid;
         self.pressures.invalidate();
-        self.solver.start(&|index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
+        self.solver.start(&|grid: &Grid<D>, index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
     }
 
     /// Continue the flow of another fluid on the same grid, with the same flexible and carried bodies and perhaps other
@@ -202,7 +212,7 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.problem.grid.cells == other.problem.grid.cells),
+            ("a field", self.grid.cells == other.grid.cells && self.cells() == self.grid.len()),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -217,7 +227,7 @@ where
         self.start_at(known.time);
         self.pressures.invalidate();
         let velocity: [_; D] = std::array::from_fn(|axis| other.velocity(axis));
-        let at = |point: usize| velocity.each_ref().map(|u| u[point]);
+        let at = |_: &Grid<D>, point: usize| velocity.each_ref().map(|u| u[point]);
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())
     }

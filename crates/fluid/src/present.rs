@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bodies::Carried;
 use crate::force::{BodyForce, Exchange};
+use crate::grid::Grid;
 use crate::space::Space;
 use crate::stations::{Loads, Stations};
 
@@ -48,6 +49,14 @@ impl<const D: usize> Present<D>
 where
     [f64; D]: Space<D>,
 {
+    /// A uniform flow (m/s) without a body.
+    pub fn without_bodies(grid: &Grid<D>, velocity: [f64; D]) -> Self {
+        let flexible =
+            Interfaces { stations: vec![], loads: vec![], exchange: vec![], line_jump: vec![], line_shear: vec![] };
+        let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
+        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
+    }
+
     /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
     pub fn cfl(&self, step: f64) -> f64 {
         self.advection_rate * step

@@ -298,6 +298,11 @@ where
         found
     }
 
+    /// Call `add` with each grid point and the force on the fluid there, m/s², after [`Self::apply`].
+    pub fn for_each_force(&self, grid: &Grid<D>, add: impl FnMut(usize, Vector<D>)) {
+        self.drag.for_each_force(grid, add);
+    }
+
     /// Find the velocities of the bodies on springs together with the forces; return whether they were found.
     fn solve_springs(&mut self, c: [f64; 3], carried: &[Carried<D>], bodies: &mut Bodies<D>) -> bool {
         for thin in &self.bodies[self.flexible.len()..] {
