@@ -51,8 +51,7 @@ where
 {
     /// A uniform flow (m/s) without a body.
     pub fn without_bodies(grid: &Grid<D>, velocity: [f64; D]) -> Self {
-        let flexible =
-            Interfaces { stations: vec![], loads: vec![], exchange: vec![], line_jump: vec![], line_shear: vec![] };
+        let flexible = Interfaces { stations: vec![], loads: vec![], exchange: vec![], jump: vec![], shear: vec![] };
         let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
         Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
     }

@@ -90,8 +90,8 @@ fn a_disk_has_its_added_mass() {
 /// time, and the jump adds up to the force.
 #[test]
 fn an_accelerated_disk_has_its_pressure_jump() {
-    let (points, h, acceleration) = (20, 2e-3, 0.5); // 20 points a diameter
-    let mut parameters = Parameters::new([[-1.0, 1.0]; 3], [2 * points; 3], 3.0, 1e-4, h);
+    let (points, h, acceleration) = (20_u32, 2e-3, 0.5); // 20 points a diameter
+    let mut parameters = Parameters::new([[-1.0, 1.0]; 3], [2 * points as usize; 3], 3.0, 1e-4, h);
     parameters.mean_flow = Some([0.0; 3].map(Law::constant));
     parameters.flexible = vec![disk(1.0, 24, [0.01, 0.0, 0.0])];
     let Extent::Surface(triangles) = parameters.flexible[0].extent.clone() else { unreachable!("it is a surface") };
