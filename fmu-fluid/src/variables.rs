@@ -132,7 +132,8 @@ where
         for (k, names) in names.iter().enumerate() {
             let is_line = D == 2 && unit.scene.beams().nth(k).is_some_and(|beam| beam.surface == Surface::Line);
             let loads = unit.scene.load().is_none_or(|load| load == Load::Momentum);
-            let parts = Parts { is_line, loads, pressure: unit.scene.axial_pressure_strain() };
+            let is_surface = D == 3 && unit.scene.beams().nth(k).is_none();
+            let parts = Parts { is_line, is_surface, loads, pressure: unit.scene.axial_pressure_strain() };
             list.stations(names, k, stations[k].len(), &parts);
         }
         list.0
@@ -340,13 +341,23 @@ where
         };
         input("", "m", "Position", |stations| &mut stations.position);
         input("v", "m/s", "Velocity", |stations| &mut stations.velocity);
-        if D == 2 {
-            let text = "Pressure above minus below the beam";
+        if D == 2 || parts.is_surface {
+            let text = if D == 2 {
+                "Pressure above minus below the beam"
+            } else {
+                "Pressure where the normals of the triangles point minus that behind"
+            };
             self.array(format!("{prefix}pressure_jump"), "Pa", text, n, move |fluid| &fluid.pressure_jump()[k]);
         }
         if parts.is_line {
             let text = "Shear stress on both faces of the line, towards the tip";
-            self.array(format!("{prefix}shear"), "Pa", text, n, move |fluid| &fluid.shear()[k]);
+            self.array(format!("{prefix}shear"), "Pa", text, n, move |fluid| &fluid.shear()[k][0]);
+        }
+        if parts.is_surface {
+            for (axis, along) in AXES.into_iter().enumerate().take(D) {
+                let name = format!("{prefix}shear_{along}");
+                self.array(name, "Pa", "Shear stress on both faces", n, move |fluid| &fluid.shear()[k][axis]);
+            }
         }
         if parts.loads {
             for (axis, along) in AXES.into_iter().enumerate().take(D) {
@@ -381,6 +392,7 @@ where
 /// Which variables the stations of a flexible body have beside their motion.
 struct Parts {
     is_line: bool,
+    is_surface: bool,
     loads: bool,
     pressure: bool,
 }

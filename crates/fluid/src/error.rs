@@ -13,6 +13,22 @@ pub enum Error {
         /// Allowed values, as the end of the sentence "but it must be …".
         allowed: &'static str,
     },
+    /// A fine box that cannot be.
+    #[error("the fine box {0}")]
+    FineBox(String),
+    /// A body in the rim of the fine box.
+    #[error(
+        "a body is at {place:?} m at t = {time:.6e} s, in the rim of the fine box: it must stay {rim} coarse cells from \
+         its ends"
+    )]
+    Rim {
+        /// Time, s.
+        time: f64,
+        /// A point of the body, m.
+        place: Vec<f64>,
+        /// Width of the rim, coarse cells.
+        rim: f64,
+    },
     /// A body on springs in a fluid with the explicit scheme.
     #[error("a body on springs needs the scheme sbdf2: the explicit drag of rk2 does not hold it")]
     MountScheme,

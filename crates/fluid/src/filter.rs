@@ -6,6 +6,8 @@
 //! equations beside viscosity, so a solution has a limit in dt. A step of the CFL number [`FILTER_CFL`] damps as F_0
 //! does.
 
+use method::Filter;
+
 const STRENGTH: f64 = 36.0;
 const ORDER: i32 = 36;
 const FILTER_CFL: f64 = 0.3;
@@ -14,4 +16,19 @@ const FILTER_CFL: f64 = 0.3;
 /// highest.
 pub fn smooth_damping(fraction: f64) -> f64 {
     ((STRENGTH * fraction.powi(ORDER)).exp() - 1.0) / FILTER_CFL
+}
+
+/// What damps the short waves of a grid.
+#[derive(Clone, Copy, Debug)]
+pub enum Damping {
+    /// A filter by the length of the wavenumber.
+    Of(Filter),
+    /// The smooth filter by the wavenumber along each axis: it leaves the corners, where a force on few cells has much.
+    EachAxis,
+}
+
+impl From<Filter> for Damping {
+    fn from(filter: Filter) -> Self {
+        Self::Of(filter)
+    }
 }

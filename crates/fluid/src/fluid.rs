@@ -8,9 +8,10 @@ use crate::bodies::{Carried, Placement, Pose};
 use crate::error::Error;
 use crate::field::is_available;
 use crate::force::Exchange;
+use crate::grid::Grid;
 use crate::limits::{Contour, StepLimits};
 use crate::outlet::Outlet;
-use crate::parameters::{Extent, Parameters};
+use crate::parameters::{Extent, Flexible, Parameters};
 use crate::present::{Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
@@ -39,6 +40,8 @@ where
     [f64; D]: Solvable<D>,
 {
     pub(crate) problem: Problem<D>,
+    /// Grid of the domain.
+    pub(crate) grid: Grid<D>,
     pub(crate) present: Present<D>,
     pub(crate) solver: Box<dyn FluidSolver<D>>,
     pub(crate) density: f64,
@@ -94,17 +97,21 @@ where
     /// [`Error::Parameter`] for parameters with which no step can be made.
     pub fn new(parameters: &Parameters<D>) -> Result<Self, Error> {
         parameters.check()?;
-        let mut problem = Problem::new(parameters);
+        let mut problem = Problem::new(&parameters.around_bodies());
         let stations: Vec<_> = parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect();
         problem.place(&Placement { time: 0.0, displacements: &[], stations: &stations, before: &stations });
         let carried = vec![Carried::default(); problem.bodies.carried().count()];
         let displaced = vec![Pose::default(); carried.len()];
         let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
-        let stress = || {
-            let is_line = |extent: &Extent| D == 2 && matches!(extent, Extent::Line { .. });
-            let room = parameters.flexible.iter().map(|body| if is_line(&body.extent) { body.nodes.len() } else { 0 });
-            room.map(|stations| vec![0.0; stations]).collect()
+        // Components of the shear stress of a body.
+        let components = |extent: &Extent| match extent {
+            Extent::Line { .. } if D == 2 => 1,
+            Extent::Surface(_) => D,
+            _ => 0,
         };
+        let room = |body: &Flexible<D>, lists: usize| vec![vec![0.0; body.nodes.len()]; lists];
+        let jump = |body: &Flexible<D>| room(body, components(&body.extent).min(1)).pop().unwrap_or_default();
+        let shear = |body: &Flexible<D>| room(body, components(&body.extent));
         let present = Present {
             time: 0.0,
             step: 0.0,
@@ -115,13 +122,14 @@ where
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
-                line_jump: stress(),
-                line_shear: stress(),
+                jump: parameters.flexible.iter().map(jump).collect(),
+                shear: parameters.flexible.iter().map(shear).collect(),
             },
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
         let mut fluid = Self {
             solver: <[f64; D]>::new_solver(parameters),
+            grid: parameters.grid(),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
@@ -160,7 +168,7 @@ where
 
     /// Return the approximate memory of a fluid, bytes.
     pub fn bytes(parameters: &Parameters<D>) -> usize {
-        let cells = parameters.cells.iter().product::<usize>();
+        let cells = parameters.all_cells();
         let body = |stations: usize, extent: &Extent| {
             let has_mask = matches!(extent, Extent::Band { .. });
             BYTES_PER_STATION * stations + if has_mask { BYTES_PER_BEAM_AND_CELL * cells } else { 0 }
@@ -173,7 +181,14 @@ where
     /// Return the approximate memory of a state, bytes.
     pub fn state_bytes(&self) -> usize {
         let stations = self.motion.target.iter().map(Stations::len).sum::<usize>();
-        numbers_of_state::<D>() * self.bytes_per_number * self.problem.grid.len() + BYTES_PER_STATION * stations
+        let cells = self.cells();
+        numbers_of_state::<D>() * self.bytes_per_number * cells + BYTES_PER_STATION * stations
+    }
+
+    /// Return the number of cells, of both grids.
+    fn cells(&self) -> usize {
+        let (own, bodies) = (self.grid.len(), self.problem.grid.len());
+        if self.grid.cells == self.problem.grid.cells { own } else { own + bodies }
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
@@ -185,9 +200,8 @@ where
 
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
     pub fn set_velocity(&mut self, velocity: impl Fn([f64; D]) -> [f64; D]) {
-        let grid = self.problem.grid;
         self.pressures.invalidate();
-        self.solver.start(&|index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
+        self.solver.start(&|grid: &Grid<D>, index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
     }
 
     /// Continue the flow of another fluid on the same grid, with the same flexible and carried bodies and perhaps other
@@ -198,7 +212,7 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.problem.grid.cells == other.problem.grid.cells),
+            ("a field", self.grid.cells == other.grid.cells && self.cells() == self.grid.len()),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -213,7 +227,7 @@ where
         self.start_at(known.time);
         self.pressures.invalidate();
         let velocity: [_; D] = std::array::from_fn(|axis| other.velocity(axis));
-        let at = |point: usize| velocity.each_ref().map(|u| u[point]);
+        let at = |_: &Grid<D>, point: usize| velocity.each_ref().map(|u| u[point]);
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())
     }

@@ -9,7 +9,7 @@ use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
-use crate::parameters::{Body, Extent, Flexible, Law, Motion, Mount, Parameters, Zone};
+use crate::parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Space, Spin, Turn, Vector};
 
@@ -64,6 +64,11 @@ where
     let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
     Parameters {
+        fine_box: fluid.fine_box.as_ref().map(|fine| {
+            let places = fine.places(&fluid.r#box);
+            let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
+            FineBox { first, cells, ratio: fine.ratio }
+        }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,
         mean_flow: mean_flow.map(|mean| std::array::from_fn(|axis| law(mean[axis]))),

@@ -58,7 +58,8 @@ pub fn layer_thickness(dimensions: usize) -> f64 {
     if dimensions == 2 { LINE_THICKNESS_CELLS } else { SURFACE_THICKNESS_CELLS }
 }
 
-fn cubic(share: f64) -> [f64; 4] {
+/// Return the values of the cubic B-spline at the four points around a place that is `share` of a spacing beyond the second.
+pub fn cubic(share: f64) -> [f64; 4] {
     let (s, rest) = (share, 1.0 - share);
     let near = |s: f64| 2.0 / 3.0 - s * s + 0.5 * s * s * s;
     [rest * rest * rest / 6.0, near(s), near(rest), s * s * s / 6.0]

@@ -7,7 +7,6 @@ use crate::fluid::Fluid;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::pressures::{PressurePlaces, Pressures};
-use crate::problem::Problem;
 use crate::solver::Solvable;
 use crate::stations::{Loads, Stations};
 
@@ -15,8 +14,13 @@ impl<const D: usize> Fluid<D>
 where
     [f64; D]: Solvable<D>,
 {
-    /// Return the grid.
+    /// Return the grid of the domain, on which fields are.
     pub fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    /// Return the grid with the bodies: that of the fine box, or of the domain.
+    pub fn grid_of_bodies(&self) -> &Grid<D> {
         &self.problem.grid
     }
 
@@ -38,11 +42,8 @@ where
     /// Return the static pressure p = rho (Pi − u²/2), Pa; Pi has zero mean over the domain. It takes one more transform
     /// than there are dimensions.
     pub fn pressure(&mut self) -> Vec<f64> {
-        let (mut pressure, points, density) = (Vec::new(), 0..self.problem.grid.len(), self.density);
-        let mut read = |_: &Problem<D>, at: &dyn Fn(usize) -> f64| {
-            pressure.extend(points.clone().map(|point| density * at(point)));
-        };
-        self.solver.read_pressure(&self.present, &mut self.problem, &mut read);
+        let mut pressure = self.solver.pressure(&self.present, &mut self.problem);
+        pressure.iter_mut().for_each(|pressure| *pressure *= self.density);
         pressure
     }
 
@@ -70,8 +71,8 @@ where
 
     /// Return the flow rate through the middle of the domain along x, m³/s, or m²/s in the plane.
     pub fn flow_rate(&self) -> f64 {
-        let Grid { cells, spacing, .. } = &self.problem.grid;
-        let plane = self.problem.grid.len() / cells[0];
+        let Grid { cells, spacing, .. } = &self.grid;
+        let plane = self.grid.len() / cells[0];
         let sum = self.solver.sum_of_u(cells[0] / 2 * plane..(cells[0] / 2 + 1) * plane);
         spacing[1..].iter().fold(sum, |product, spacing| product * spacing)
     }
@@ -79,13 +80,13 @@ where
     /// Return the kinetic energy of the domain, J, or J/m in the plane.
     pub fn kinetic_energy(&self) -> f64 {
         let [squares, _] = self.solver.squares();
-        0.5 * self.density * squares * self.problem.grid.cell_volume()
+        0.5 * self.density * squares * self.grid.cell_volume()
     }
 
     /// Return half the integral of the squared vorticity over the domain, m³/s², or m²/s² in the plane.
     pub fn enstrophy(&self) -> f64 {
         let [_, squares] = self.solver.squares();
-        0.5 * squares * self.problem.grid.cell_volume()
+        0.5 * squares * self.grid.cell_volume()
     }
 
     /// Return the force of the fluid on all bodies in the last step, N, in the plane per metre of depth.
@@ -156,16 +157,16 @@ where
         &mut self.motion.target
     }
 
-    /// Return the pressure above less the pressure below the stations of each beam, Pa. The first pressure after a step
-    /// takes transforms.
+    /// Return the pressure above less the pressure below the stations of each beam in the plane and surface in space, Pa.
+    /// The first pressure after a step takes transforms.
     pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
         &self.pressures().jump
     }
 
-    /// Return the shear stress on both faces together of each beam that is a line, towards its tip at its stations, Pa;
-    /// of another beam nothing.
-    pub fn shear(&self) -> &[Vec<f64>] {
-        &self.present.flexible.line_shear
+    /// Return the shear stress on both faces together at the stations of each flexible body, Pa, by component: of a line in
+    /// the plane towards its tip, of a surface along each axis, of another body nothing.
+    pub fn shear(&self) -> &[Vec<Vec<f64>>] {
+        &self.present.flexible.shear
     }
 
     /// Return the mean of the pressures above and below the stations of each beam, less the mean over the outlet, Pa;
@@ -179,9 +180,9 @@ where
         pressures.get(|pressures| {
             solver.read_pressure(present, problem, &mut |problem, at| {
                 let (grid, beams, stations) = (&problem.grid, &problem.bodies.beams, &present.flexible.stations);
-                let (outlet, line_jump) = (outlet.as_ref(), &present.flexible.line_jump);
+                let (outlet, thin) = (outlet.as_ref(), &present.flexible.jump);
                 let density = *density;
-                PressurePlaces { grid, density, probes, outlet, beams, stations, line_jump }.read(at, pressures);
+                PressurePlaces { grid, density, probes, outlet, beams, stations, thin }.read(at, pressures);
             });
         })
     }

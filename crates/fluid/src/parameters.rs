@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use method::{Filter, Mask, Precision, Support, TimeScheme};
@@ -10,6 +11,7 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
 use crate::space::{Freedoms, Space, Spin};
+use crate::two_grids::{GROWTH, RIM};
 
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
@@ -24,6 +26,8 @@ where
     pub domain: [[f64; 2]; D],
     /// Number of grid points along each axis; lengths with prime factors up to 13 are fastest.
     pub cells: [usize; D],
+    /// Box of finer cells with all bodies in it; absent: the bodies are on the cells of the domain.
+    pub fine_box: Option<FineBox<D>>,
     /// Density, kg/m³.
     pub density: f64,
     /// Kinematic viscosity, m²/s.
@@ -67,6 +71,34 @@ where
     pub loads: bool,
     /// Whether the pressure around beams with a mask is an output; it needs an inflow.
     pub pressure_around: bool,
+}
+
+/// A box of finer cells in the domain. Its rim of some coarse cells is for the flow to become the coarse one.
+#[derive(Clone, Copy, Debug)]
+pub struct FineBox<const D: usize = 2> {
+    /// Number of the point of the domain's grid at its lower end along each axis.
+    pub first: [usize; D],
+    /// Coarse cells across it along each axis.
+    pub cells: [usize; D],
+    /// Fine cells in a coarse one along an axis.
+    pub ratio: usize,
+}
+
+impl<const D: usize> FineBox<D> {
+    /// Fewest coarse cells across it: both rims, and a body.
+    pub const LEAST_CELLS: usize = 2 * (RIM + GROWTH) as usize + 6;
+
+    /// Fine cells in a coarse one.
+    pub const RATIOS: RangeInclusive<usize> = 2..=8;
+
+    /// Return its grid.
+    pub(crate) fn grid(&self, coarse: &Grid<D>) -> Grid<D> {
+        let domain = std::array::from_fn(|axis| {
+            let low = coarse.coordinate(axis, self.first[axis]);
+            [low, low + self.cells[axis] as f64 * coarse.spacing[axis]]
+        });
+        Grid::new(domain, self.cells.map(|cells| cells * self.ratio))
+    }
 }
 
 /// A function of time (s) with its rate.
@@ -195,6 +227,7 @@ where
         Self {
             domain,
             cells,
+            fine_box: None,
             density,
             kinematic_viscosity,
             initial_velocity: [0.0; D],
@@ -237,6 +270,7 @@ where
         ];
         widths.chain(numbers).try_for_each(|(name, value)| require_positive(name, value))?;
         self.check_cells()?;
+        self.fine_box.iter().try_for_each(|fine| self.check_fine_box(fine))?;
         self.bodies.iter().try_for_each(|body| self.check_body(body))?;
         self.flexible.iter().try_for_each(|body| self.check_flexible(body))
     }
@@ -252,6 +286,55 @@ where
             };
             if cells < least {
                 return Err(Error::Parameter { name, value: cells as f64, allowed });
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuse a fine box that has no room between its rims, or is not well within the domain, between walls and zones.
+    fn check_fine_box(&self, fine: &FineBox<D>) -> Result<(), Error> {
+        const AXES: [&str; 3] = ["x", "y", "z"];
+        let refuse = |reason: String| Err(Error::FineBox(reason));
+        let (grid, least) = (self.grid(), FineBox::<D>::LEAST_CELLS);
+        let own = fine.grid(&grid);
+        let ends = |axis: usize| [0.0, own.size[axis]].map(|of| own.coordinate(axis, 0) + of);
+        if !FineBox::<D>::RATIOS.contains(&fine.ratio) {
+            let [low, high] = [FineBox::<D>::RATIOS.start(), FineBox::<D>::RATIOS.end()];
+            return refuse(format!("has cells {} times as fine, but it must be {low} to {high} times", fine.ratio));
+        }
+        if self.scheme != TimeScheme::Sbdf2 {
+            return refuse("needs the scheme sbdf2".into());
+        }
+        if self.pressure_around {
+            return refuse("does not reach the outlet, from which the pressure around a beam is taken".into());
+        }
+        for (axis, name) in AXES.into_iter().enumerate().take(D) {
+            let (cells, [low, high]) = (fine.cells[axis], ends(axis));
+            if cells < least {
+                return refuse(format!("has {cells} coarse cells along {name}, but it needs {least}"));
+            }
+            if fine.first[axis] + cells > grid.cells[axis] {
+                return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, out of the domain"));
+            }
+            if let Some([from, to]) = self.walls[axis].filter(|[from, to]| low < *from || high > *to) {
+                let walls = format!("the walls at {from:.6e} and {to:.6e} m");
+                return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, through {walls}"));
+            }
+        }
+        let [low, high] = ends(0);
+        for (name, zone) in [("inflow", &self.inflow), ("sponge", &self.sponge)] {
+            if let Some(Zone { x: [from, to], .. }) = zone
+                && low < *to
+                && high > *from
+            {
+                let zone = format!("the {name} from {from:.6e} to {to:.6e} m");
+                return refuse(format!("reaches along x from {low:.6e} to {high:.6e} m, into {zone}"));
+            }
+        }
+        for (number, probe) in self.probes.iter().enumerate() {
+            let is_inside = |axis: usize| probe[axis] >= ends(axis)[0] && probe[axis] < ends(axis)[1];
+            if !(0..D).all(is_inside) {
+                return refuse(format!("must have all probes in it, but probe {} at {probe:?} m is not", number + 1));
             }
         }
         Ok(())
@@ -320,7 +403,7 @@ where
 
     /// Refuse a thin body without an extent, or with more markers than a step has time for.
     fn check_thin(&self, body: &Flexible<D>) -> Result<(), Error> {
-        let count = body.markers(self.grid().cell_size()).unwrap_or(0.0);
+        let count = body.markers(self.grid_of_bodies().cell_size()).unwrap_or(0.0);
         if count == 0.0 {
             let allowed = "above 0: a line has two nodes, a surface triangles of its nodes";
             return Err(Error::Parameter { name: "extent of a thin body", value: 0.0, allowed });
@@ -332,14 +415,49 @@ where
         Ok(())
     }
 
-    /// Return the grid.
+    /// Return the grid of the domain.
     pub(crate) fn grid(&self) -> Grid<D> {
         Grid::new(self.domain, self.cells)
     }
 
+    /// Return the number of cells, of both grids.
+    pub(crate) fn all_cells(&self) -> usize {
+        self.grid().len() + self.fine_box.map_or(0, |_| self.grid_of_bodies().len())
+    }
+
+    /// Return the grid with the bodies: that of the fine box, or of the domain.
+    pub(crate) fn grid_of_bodies(&self) -> Grid<D> {
+        let grid = self.grid();
+        self.fine_box.as_ref().map_or(grid, |fine| fine.grid(&grid))
+    }
+
+    /// Return the parameters of the fluid around the bodies: in the fine box without walls and zones, or the same.
+    pub(crate) fn around_bodies(&self) -> Cow<'_, Self> {
+        let Some(fine) = &self.fine_box else { return Cow::Borrowed(self) };
+        let grid = fine.grid(&self.grid());
+        Cow::Owned(Self {
+            domain: std::array::from_fn(|axis| {
+                let low = grid.coordinate(axis, 0);
+                [low, low + grid.size[axis]]
+            }),
+            cells: grid.cells,
+            fine_box: None,
+            mean_flow: None,
+            walls: [None; D],
+            inflow: None,
+            sponge: None,
+            ..self.clone()
+        })
+    }
+
+    /// Return the parameters of the same fluid without bodies.
+    pub(crate) fn without_bodies(&self) -> Self {
+        Self { bodies: vec![], flexible: vec![], ..self.clone() }
+    }
+
     /// Return the number of markers of the thin bodies, about.
     pub(crate) fn markers(&self) -> usize {
-        let cell = self.grid().cell_size();
+        let cell = self.grid_of_bodies().cell_size();
         self.thin().filter_map(|(_, body)| body.markers(cell)).sum::<f64>() as usize
     }
 

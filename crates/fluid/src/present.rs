@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bodies::Carried;
 use crate::force::{BodyForce, Exchange};
+use crate::grid::Grid;
 use crate::space::Space;
 use crate::stations::{Loads, Stations};
 
@@ -36,16 +37,25 @@ pub struct Interfaces<const D: usize> {
     pub loads: Vec<Loads<D>>,
     /// Forces, powers and works of the fluid on the bodies.
     pub exchange: Vec<Exchange<D>>,
-    /// Pressure above less the pressure below the stations of each line in the plane, Pa; empty for other bodies.
-    pub line_jump: Vec<Vec<f64>>,
-    /// Shear stress on both faces of each line towards its tip, Pa, in the same places.
-    pub line_shear: Vec<Vec<f64>>,
+    /// Pressure above less the pressure below the stations of each line in the plane and surface in space, Pa; empty for
+    /// other bodies.
+    pub jump: Vec<Vec<f64>>,
+    /// Shear stress on both faces in the same places, Pa, by component: of a line towards its tip, of a surface along each
+    /// axis.
+    pub shear: Vec<Vec<Vec<f64>>>,
 }
 
 impl<const D: usize> Present<D>
 where
     [f64; D]: Space<D>,
 {
+    /// A uniform flow (m/s) without a body.
+    pub fn without_bodies(grid: &Grid<D>, velocity: [f64; D]) -> Self {
+        let flexible = Interfaces { stations: vec![], loads: vec![], exchange: vec![], jump: vec![], shear: vec![] };
+        let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
+        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
+    }
+
     /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
     pub fn cfl(&self, step: f64) -> f64 {
         self.advection_rate * step
@@ -78,16 +88,17 @@ impl<const D: usize> Interfaces<D> {
         Stations::copy_all(&mut self.stations, &other.stations);
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.exchange.copy_from_slice(&other.exchange);
-        for (own, other) in [(&mut self.line_jump, &other.line_jump), (&mut self.line_shear, &other.line_shear)] {
-            own.iter_mut().zip(other).for_each(|(own, other)| own.copy_from_slice(other));
-        }
+        let shear = self.shear.iter_mut().flatten().zip(other.shear.iter().flatten());
+        self.jump.iter_mut().zip(&other.jump).chain(shear).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has as many bodies with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
         let lengths = |all: &Self| [all.stations.len(), all.loads.len(), all.exchange.len()];
-        let stresses =
-            |all: &Self| [&all.line_jump, &all.line_shear].map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
+        let stresses = |all: &Self| {
+            let shear = all.shear.iter().map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
+            (all.jump.iter().map(Vec::len).collect::<Vec<_>>(), shear.collect::<Vec<_>>())
+        };
         lengths(self) == lengths(other)
             && stresses(self) == stresses(other)
             && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))

@@ -73,8 +73,8 @@ where
     pub beams: &'a [Beam<D>],
     /// Stations of the flexible bodies.
     pub stations: &'a [Stations<D>],
-    /// Pressure jumps of the thin beams; empty for a beam with a mask.
-    pub line_jump: &'a [Vec<f64>],
+    /// Pressure jumps of the thin bodies; empty for a beam with a mask.
+    pub thin: &'a [Vec<f64>],
 }
 
 impl<const D: usize> PressurePlaces<'_, D>
@@ -89,8 +89,8 @@ where
         let level = self.outlet.map_or(0.0, |outlet| outlet.mean(at));
         for (number, (stations, jumps)) in self.stations.iter().zip(&mut pressures.jump).enumerate() {
             let Some(beam) = self.beams.iter().find(|beam| beam.number == number) else {
-                // Only a line in the plane has a jump.
-                let known = &self.line_jump[number];
+                // A line in space has no jump.
+                let known = &self.thin[number];
                 jumps[..known.len()].copy_from_slice(known);
                 continue;
             };

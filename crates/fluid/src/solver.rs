@@ -15,7 +15,8 @@ use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::{PlaneTransforms, Transforms, VolumeTransforms};
 use crate::state::{ByPrecision, Fields, Stored};
-use crate::step::{Rk2, Sbdf2, Scheme, Substep};
+use crate::step::{Rk2, Sbdf2, Scheme, StartVelocity, Substep, square, static_pressure};
+use crate::two_grids::TwoGrids;
 
 /// Reads the static pressure over the density, given at a grid point.
 pub type PressureReader<'a, const D: usize> = dyn FnMut(&Problem<D>, &dyn Fn(usize) -> f64) + 'a;
@@ -25,8 +26,8 @@ pub trait FluidSolver<const D: usize>: Send
 where
     [f64; D]: Space<D>,
 {
-    /// Start from the divergence-free part of a velocity (m/s), given at a grid point.
-    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; D], present: &mut Present<D>, problem: &mut Problem<D>);
+    /// Start from the divergence-free part of a velocity.
+    fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64>;
@@ -35,10 +36,13 @@ where
     fn step(&mut self, step: &Substep<D>, present: &mut Present<D>, problem: &mut Problem<D>) -> Result<(), Error>;
 
     /// Write the loads for the coming step to `present`; see [`Scheme::predict_loads`].
-    fn predict_loads(&self, present: &mut Present<D>, problem: &mut Problem<D>);
+    fn predict_loads(&mut self, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Call `read` with the problem and the static pressure over the density, `Pi − u²/2` (m²/s²), at a grid point.
     fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>);
+
+    /// Return the static pressure over the density at all points of the domain, m²/s².
+    fn pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64>;
 
     /// Return the largest divergence (1/s) and the largest speed (m/s).
     fn divergence(&mut self) -> [f64; 2];
@@ -52,10 +56,10 @@ where
     /// Return the velocity interpolated by grid points and weights, m/s.
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
 
-    /// Return the sum of the velocity along x over some points, m/s.
+    /// Return the sum of the velocity along x over some points of the domain, m/s.
     fn sum_of_u(&self, points: Range<usize>) -> f64;
 
-    /// Return the sums of the squared velocity (m²/s²) and of the squared vorticity (1/s²).
+    /// Return the sums over the domain of the squared velocity (m²/s²) and of the squared vorticity (1/s²).
     fn squares(&self) -> [f64; 2];
 
     /// Return the number of threads that share a step.
@@ -106,7 +110,7 @@ fn transforms<R: Real, T: Transforms<R, D>, const D: usize>(parameters: &Paramet
 where
     [f64; D]: Space<D>,
 {
-    T::new(&parameters.grid(), parameters.filter, parameters.threads)
+    T::new(&parameters.grid(), parameters.filter.into(), parameters.threads)
 }
 
 fn sbdf2<R: Stored, T: Transforms<R, D> + 'static, const D: usize>(
@@ -115,8 +119,12 @@ fn sbdf2<R: Stored, T: Transforms<R, D> + 'static, const D: usize>(
 where
     [f64; D]: Space<D>,
 {
-    let points = parameters.grid().len();
+    let points = parameters.grid_of_bodies().len();
     let flow = Flow::uniform(parameters.initial_velocity, points);
+    if let Some(fine) = &parameters.fine_box {
+        let scheme = TwoGrids::<R, T, D>::new(parameters, fine);
+        return Box::new(Solver { flow, scheme, precision: PhantomData });
+    }
     let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
     Box::new(Solver { flow, scheme, precision: PhantomData })
 }
@@ -138,15 +146,9 @@ impl<R: Stored, S: Scheme<R, D>, const D: usize> FluidSolver<D> for Solver<R, S,
 where
     [f64; D]: Space<D>,
 {
-    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; D], present: &mut Present<D>, problem: &mut Problem<D>) {
-        let room = self.scheme.room();
-        for point in 0..problem.grid.len() {
-            for (w, u) in room.iter_mut().zip(velocity(point)) {
-                w[point] = R::rounded(u);
-            }
-        }
+    fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>) {
         present.step = 0.0;
-        self.scheme.start(&mut self.flow, present, problem);
+        self.scheme.start(velocity, &mut self.flow, present, problem);
     }
 
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64> {
@@ -157,14 +159,18 @@ where
         self.scheme.step(step, &mut self.flow, present, problem)
     }
 
-    fn predict_loads(&self, present: &mut Present<D>, problem: &mut Problem<D>) {
+    fn predict_loads(&mut self, present: &mut Present<D>, problem: &mut Problem<D>) {
         self.scheme.predict_loads(&self.flow, present, problem);
     }
 
     fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>) {
         let Self { flow, scheme, .. } = self;
         let pi = scheme.total_pressure(flow, present, problem);
-        read(problem, &|point| pi[point].to_f64() - 0.5 * square(flow.velocity_at(point)));
+        read(problem, &|point| static_pressure(pi, flow, point));
+    }
+
+    fn pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+        self.scheme.static_pressure(&self.flow, present, problem)
     }
 
     fn divergence(&mut self) -> [f64; 2] {
@@ -176,11 +182,11 @@ where
     }
 
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
-        R::field_to_f64(&self.flow.velocity[axis])
+        self.scheme.over_domain(&self.flow, |flow| &flow.velocity[axis])
     }
 
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]> {
-        R::field_to_f64(&self.flow.vorticity[component])
+        self.scheme.over_domain(&self.flow, |flow| &flow.vorticity[component])
     }
 
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
@@ -189,14 +195,20 @@ where
     }
 
     fn sum_of_u(&self, points: Range<usize>) -> f64 {
-        self.flow.velocity[0][points].iter().map(|u| u.to_f64()).sum()
+        let mut sum = 0.0;
+        self.scheme.for_each_in_domain(&self.flow, points, |flow, own| sum += flow.velocity[0][own].to_f64());
+        sum
     }
 
     fn squares(&self) -> [f64; 2] {
-        let Flow { velocity, vorticity } = &self.flow;
-        let velocity = (0..velocity[0].len()).map(|point| square(self.flow.velocity_at(point))).sum();
-        let vorticity = vorticity.iter().flat_map(|omega| omega.iter());
-        [velocity, vorticity.map(|omega| omega.to_f64().powi(2)).sum()]
+        let (mut sums, all) = ([0.0; 2], 0..self.scheme.points_of_domain(&self.flow));
+        let visit = |flow: &Flow<R, D>, own: usize| sums[0] += square(flow.velocity_at(own));
+        self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
+        for component in 0..<[f64; D]>::VORTICITY {
+            let visit = |flow: &Flow<R, D>, own: usize| sums[1] += flow.vorticity[component][own].to_f64().powi(2);
+            self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
+        }
+        sums
     }
 
     fn threads(&self) -> usize {
@@ -226,9 +238,4 @@ where
         self.scheme.restore(&fields.memory);
         Ok(())
     }
-}
-
-/// Return the square of a vector.
-fn square<const D: usize>(vector: [f64; D]) -> f64 {
-    vector[1..].iter().fold(vector[0] * vector[0], |sum, component| sum + component * component)
 }

@@ -45,6 +45,8 @@ pub struct Fields<R: Real, const D: usize> {
 pub enum Memory<R: Real, const D: usize> {
     /// Two-step backward differences.
     Sbdf2(TwoStep<R, D>),
+    /// The same on two grids.
+    TwoGrids(Box<TwoGridsMemory<R, D>>),
     /// Heun's method: spectrum of the velocity, m/s, `[ny/2 + 1, nx]` per component.
     Rk2(#[serde(with = "BigArray")] [Vec<Pack<R>>; D]),
 }
@@ -64,6 +66,72 @@ pub struct TwoStep<R: Real, const D: usize> {
     pub inv_tau: f64,
     /// The step before the last one, s; 0 if there was none.
     pub step_before: f64,
+}
+
+/// Memory of the two-step scheme on two grids.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct TwoGridsMemory<R: Real, const D: usize> {
+    /// Memory of the fine flow.
+    pub fine: TwoStep<R, D>,
+    /// The coarse flow.
+    pub coarse: CoarseState<R, D>,
+}
+
+/// The coarse flow with its memory.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct CoarseState<R: Real, const D: usize> {
+    /// The flow.
+    pub flow: Flow<R, D>,
+    /// Memory of its scheme.
+    pub memory: TwoStep<R, D>,
+    /// What the grids exchange.
+    pub link: Link,
+}
+
+/// What two grids exchange, at the coarse points under the fine box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Link {
+    /// The coarse flow before and after its last step, as coefficients: velocity, vorticity, and G.
+    pub ends: [Vec<f64>; 2],
+    /// Restriction of the force on the fine fluid since the last coarse step, over the density, times the time, m/s.
+    pub impulse: Vec<f64>,
+    /// That time, s.
+    pub elapsed: f64,
+    /// Force on the coarse fluid in the last step, over the density, m/s².
+    pub force: Vec<f64>,
+    /// Time from the fine flow to the coarse one, s.
+    pub ahead: f64,
+    /// Last coarse step, s, and the one before the next step; 0 before the first.
+    pub length: f64,
+    pub step: f64,
+    /// Advection rate of the coarse flow, 1/s.
+    pub advection_rate: f64,
+}
+
+impl Link {
+    fn lists(&self) -> [&Vec<f64>; 4] {
+        let [from, to] = &self.ends;
+        [from, to, &self.impulse, &self.force]
+    }
+
+    /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        let [from, to] = &mut self.ends;
+        let own = [from, to, &mut self.impulse, &mut self.force];
+        own.into_iter().zip(other.lists()).for_each(|(own, other)| own.copy_from_slice(other));
+        let Self { elapsed, ahead, length, step, advection_rate, .. } = *other;
+        (self.elapsed, self.ahead, self.length) = (elapsed, ahead, length);
+        (self.step, self.advection_rate) = (step, advection_rate);
+    }
+
+    /// Return whether `other` has the same size, and its times are finite.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let numbers = [other.elapsed, other.ahead, other.length, other.step, other.advection_rate];
+        self.lists().iter().zip(other.lists()).all(|(own, other)| own.len() == other.len())
+            && numbers.iter().all(|number| number.is_finite())
+    }
 }
 
 /// The two precisions of a [`State`].

@@ -163,7 +163,7 @@ fn stresses_on_a_straight_line_add_up_to_its_force() {
     let Force { force, .. } = fluid.force_on_flexible(0);
     let step = 0.5_f64.hypot(0.3) / 20.0;
     let sum = |stress: &[f64]| stress.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]) * step).sum::<f64>();
-    let found = [sum(&fluid.pressure_jump()[0].clone()), sum(&fluid.shear()[0])];
+    let found = [sum(&fluid.pressure_jump()[0].clone()), sum(&fluid.shear()[0][0])];
     let expected = [force[0] * y - force[1] * x, force[0] * x + force[1] * y];
     for (what, found, expected) in [("jump", found[0], expected[0]), ("shear", found[1], expected[1])] {
         assert!((found - expected).abs() < 1e-9 * force.norm(), "the {what} adds up to {found}, not {expected}");

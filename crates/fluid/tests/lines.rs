@@ -248,7 +248,7 @@ fn a_line_along_a_stream_has_its_friction() {
         if beam.is_empty() {
             return fluid.force_on_body(0).force[0] / 500.0;
         }
-        let (drag, shear) = (fluid.force_on_flexible(0).force[0], &fluid.shear()[0]);
+        let (drag, shear) = (fluid.force_on_flexible(0).force[0], &fluid.shear()[0][0]);
         let sum: f64 = (0..40).map(|k| 0.5 * (shear[k] + shear[k + 1]) / 40.0).sum();
         assert!((sum / drag - 1.0).abs() < 0.03, "shear {sum} against drag {drag}");
         assert!(shear[1] > 2.0 * shear[20] && shear.iter().all(|stress| *stress > 0.0), "{shear:?}");

@@ -85,6 +85,44 @@ fn a_disk_has_its_added_mass() {
     }
 }
 
+/// A disk of the radius R in an acceleration a along its normal has the pressure jump `4/pi rho a √(R² − r²)` at the
+/// distance r from its middle (Lamb, Hydrodynamics, § 102), and more by its rim as above. There is little shear in so short a
+/// time, and the jump adds up to the force.
+#[test]
+fn an_accelerated_disk_has_its_pressure_jump() {
+    let (points, h, acceleration) = (20_u32, 2e-3, 0.5); // 20 points a diameter
+    let mut parameters = Parameters::new([[-1.0, 1.0]; 3], [2 * points as usize; 3], 3.0, 1e-4, h);
+    parameters.mean_flow = Some([0.0; 3].map(Law::constant));
+    parameters.flexible = vec![disk(1.0, 24, [0.01, 0.0, 0.0])];
+    let Extent::Surface(triangles) = parameters.flexible[0].extent.clone() else { unreachable!("it is a surface") };
+    let mut fluid = made(&parameters);
+    for k in 0..60 {
+        step(&mut fluid, h, |_| [acceleration * h * f64::from(k + 1), 0.0, 0.0]);
+    }
+    let (jump, shear, nodes) = (fluid.pressure_jump()[0].clone(), &fluid.shear()[0], &fluid.stations()[0]);
+    let (mut found, mut expected, mut along) = (0.0, 0.0, 0.0_f64);
+    for k in 0..nodes.len() {
+        let r = nodes.position[1][k].hypot(nodes.position[2][k]);
+        if r < 0.35 {
+            found += jump[k];
+            expected += 4.0 / PI * parameters.density * acceleration * (0.25 - r * r).sqrt();
+            along = shear.iter().map(|shear| shear[k].abs()).fold(along, f64::max);
+        }
+    }
+    let t = scene::SURFACE_THICKNESS_CELLS / f64::from(points);
+    let expected = expected * (1.0 + 1.5 * t * (0.237 + 0.505 * (1.0 / t).ln()));
+    assert!((found / expected - 1.0).abs() < 0.05, "{found} against {expected} Pa");
+    assert!(along < 0.05 * jump[0], "a shear of {along} beside {} Pa", jump[0]);
+    let at = |node: usize| [1, 2].map(|axis| nodes.position[axis][node]);
+    let sums = triangles.iter().map(|corners| {
+        let [[a, b], [c, d], [e, f]] = corners.map(at);
+        let area = 0.5 * ((c - a) * (f - b) - (e - a) * (d - b));
+        area * corners.iter().map(|node| jump[*node]).sum::<f64>() / 3.0
+    });
+    let (sum, force) = (sums.sum::<f64>(), -fluid.force_on_flexible(0).force[0]);
+    assert!((sum / force - 1.0).abs() < 0.03, "{sum} against {force} N");
+}
+
 fn across_a_slow_stream(turn: usize) -> f64 {
     let mut parameters = Parameters::new([[-0.5, 0.5], [-0.5, 0.5], [0.0, 0.25]], [32, 32, 8], 1.0, 1.0, 4e-3);
     parameters.flexible = vec![line(CLOSED)];

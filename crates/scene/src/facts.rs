@@ -281,7 +281,7 @@ fn dimensionless(
     let peak = fluid.inflow.as_ref().map_or(1.0, |inflow| inflow.profile.peak());
     let fastest = peak * f64::hypot(largest(streams), largest(&motions));
 
-    let spacing = fluid.r#box.spacing();
+    let spacing = fluid.spacing();
     let (coarsest, finest) =
         (spacing.iter().copied().fold(0.0, f64::max), spacing.iter().copied().fold(f64::INFINITY, f64::min));
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);

@@ -21,6 +21,10 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// The periodic box and its grid.
     pub r#box: FluidBox,
+    /// A smaller box of finer cells around all bodies, beams and probes; absent where `box` has the cells for them. The
+    /// stored fields have the cells of `box`.
+    #[serde(default)]
+    pub fine_box: Option<FineBox>,
     /// Uniform velocity at t = 0, m/s; a component that is left out is 0.
     #[serde(default = "still")]
     #[schemars(length(min = 2, max = 3))]
@@ -95,6 +99,35 @@ pub struct FluidBox {
     /// primes are fast.
     #[schemars(length(min = 2, max = 3), inner(range(min = 8, max = 65536)))]
     pub cells: Vec<usize>,
+}
+
+/// Width of the rim of a fine box, in which no body may be, cells of the large box.
+pub const FINE_BOX_RIM_CELLS: f64 = 5.0;
+
+/// Fewest cells of the large box across a fine one.
+const LEAST_CELLS_OF_FINE_BOX: usize = 16;
+
+/// A smaller box of finer cells. It keeps five cells of the large box from the bodies, and needs at least sixteen. Its
+/// ends move to the nearest points of the large grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FineBox {
+    /// Ends along x, m.
+    pub x: [f64; 2],
+    /// Ends along y, m.
+    pub y: [f64; 2],
+    /// Ends along z, m; absent in two dimensions.
+    #[serde(default)]
+    pub z: Option<[f64; 2]>,
+    /// Fine cells in a cell of the large box along each axis. A body wants six of the large cells with 2, and no fewer
+    /// than four.
+    #[serde(default = "two")]
+    #[schemars(range(min = 2, max = 8))]
+    pub ratio: usize,
+}
+
+fn two() -> usize {
+    2
 }
 
 /// Pairs of solid walls.
@@ -271,6 +304,33 @@ impl FluidBox {
     }
 }
 
+impl FineBox {
+    /// Return the ends along each axis, m.
+    fn ends(&self) -> impl Iterator<Item = [f64; 2]> {
+        [self.x, self.y].into_iter().chain(self.z)
+    }
+
+    /// Return the number of the first point of the large grid and the number of its cells along each axis.
+    pub fn places(&self, large: &FluidBox) -> Vec<[usize; 2]> {
+        let axes = self.ends().zip(large.ends()).zip(large.spacing());
+        axes.map(|((own, [low, _]), cell)| {
+            let [first, last] = own.map(|end| ((end - low) / cell).round().max(0.0) as usize);
+            [first, last.saturating_sub(first)]
+        })
+        .collect()
+    }
+
+    /// Return the ends between the rims along each axis, m.
+    pub(crate) fn inner(&self, large: &FluidBox) -> Vec<[f64; 2]> {
+        let axes = self.places(large).into_iter().zip(large.ends()).zip(large.spacing());
+        axes.map(|(([first, cells], [low, _]), cell)| {
+            let at = |cells: f64| low + (first as f64 + cells) * cell;
+            [at(FINE_BOX_RIM_CELLS), at(cells as f64 - FINE_BOX_RIM_CELLS)]
+        })
+        .collect()
+    }
+}
+
 impl MeanFlow {
     /// Return the laws along x, y and z.
     pub(crate) fn laws(&self) -> [(&'static str, &TimeLaw); 3] {
@@ -284,10 +344,16 @@ impl Fluid {
         self.r#box.z.is_some()
     }
 
+    /// Return the lengths of a cell at the bodies along each axis, m.
+    pub(crate) fn spacing(&self) -> Vec<f64> {
+        let ratio = self.fine_box.as_ref().map_or(1, |fine| fine.ratio) as f64;
+        self.r#box.spacing().into_iter().map(|cell| cell / ratio).collect()
+    }
+
     /// Return the largest |u|/dx + |v|/dy + |w|/dz of initial velocity, inflow, mean flow and sponge, 1/s. Around
     /// bodies the flow is faster.
     pub(crate) fn advection_rate(&self) -> f64 {
-        let spacing = self.r#box.spacing();
+        let spacing = self.spacing();
         let rate = |(spacing, velocity): (&f64, f64)| velocity.abs() / spacing;
         let along_x = |law: &TimeLaw| rate((&spacing[0], law.largest()));
         let initial: f64 = spacing.iter().zip(self.initial_velocity.iter().copied()).map(rate).sum();
@@ -307,6 +373,7 @@ const PROBE_NAME: &str = "^[A-Za-z][A-Za-z0-9_]*$";
 impl Check for Fluid {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.check_box(&format!("{key}.box"), faults);
+        self.check_fine_box(&format!("{key}.fine_box"), faults);
         self.check_zones(key, faults);
         self.probes.check_at(&format!("{key}.probes"), faults);
         let cylinders: Vec<_> = self.cylinders.iter().map(Body::from).collect();
@@ -361,6 +428,52 @@ impl Fluid {
         faults.require(cells[axis] >= least, &format!("{key}.cells[{axis}]"), cells[axis], || {
             format!("single precision needs at least {least} cells along {}", ["x", "y"][axis])
         });
+    }
+
+    /// Check that a fine box has room between its rims, and lies between walls and zones with all probes in it.
+    fn check_fine_box(&self, key: &str, faults: &mut Faults) {
+        let Some(fine) = &self.fine_box else { return };
+        let known = faults.len();
+        let agree = fine.z.is_some() == self.r#box.z.is_some();
+        faults.require(agree, &format!("{key}.z"), if fine.z.is_some() { "given" } else { "absent" }, || {
+            "it must have the axes of `box`".into()
+        });
+        let scheme = self.time_stepping.scheme;
+        faults.require(scheme == TimeScheme::Sbdf2, key, "with the scheme rk2", || "use sbdf2".into());
+        let axes = ["x", "y", "z"].into_iter().zip(fine.ends()).zip(self.r#box.ends());
+        for ((name, own), large) in axes {
+            let key = format!("{key}.{name}");
+            if faults.interval(&key, own) {
+                let inside = large[0] <= own[0] && own[1] <= large[1];
+                faults.require(inside, &key, format!("{own:?}"), || format!("it must lie inside the box, {large:?}"));
+            }
+        }
+        if faults.len() > known {
+            return;
+        }
+        let walls = self.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
+        let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(walls);
+        for (name, (([_, cells], own), walls)) in ["x", "y", "z"].into_iter().zip(places) {
+            let key = format!("{key}.{name}");
+            faults.require(cells >= LEAST_CELLS_OF_FINE_BOX, &key, format!("{own:?}"), || {
+                format!("it must have {LEAST_CELLS_OF_FINE_BOX} cells of the large box across, and has {cells}")
+            });
+            let between = walls.is_none_or(|[low, high]| low <= own[0] && own[1] <= high);
+            faults.require(between, &key, format!("{own:?}"), || format!("it must lie between the walls at {walls:?}"));
+        }
+        let inflow = self.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
+        for (name, zone) in inflow.into_iter().chain(self.sponge.as_ref().map(|sponge| ("sponge", sponge.x))) {
+            let apart = fine.x[1] <= zone[0] || zone[1] <= fine.x[0];
+            faults.require(apart, &format!("{key}.x"), format!("{:?}", fine.x), || {
+                format!("it must not reach into the {name}, {zone:?}")
+            });
+        }
+        for (i, probe) in self.probes.iter().enumerate() {
+            let inside = fine.ends().zip(&probe.position).all(|([low, high], at)| (low..high).contains(at));
+            faults.require(inside, &format!("fluid.probes[{i}].position"), format!("{:?}", probe.position), || {
+                "with a `fine_box` every probe must lie in it".into()
+            });
+        }
     }
 
     fn check_zones(&self, key: &str, faults: &mut Faults) {

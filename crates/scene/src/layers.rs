@@ -34,7 +34,7 @@ const LIFTS: f64 = 0.1;
 
 /// Return the warnings about the layers of a scene, whose bodies have `scales` in a flow of `speed` (m/s).
 pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], speed: Option<f64>) -> Vec<Warning> {
-    let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+    let cell = fluid.spacing().into_iter().fold(0.0, f64::max);
     let nu = fluid.kinematic_viscosity;
     let mut found = Vec::new();
     let mut moves = |key: String, laws: Vec<&TimeLaw>, least: f64| {

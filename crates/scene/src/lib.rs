@@ -51,7 +51,10 @@ pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Shape, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
-pub use fluid::{Channel, Cylinder, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe, Sponge};
+pub use fluid::{
+    Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe,
+    Sponge,
+};
 pub use law::TimeLaw;
 pub use monitor::monitor_text;
 pub use mount::{Freedom, Inertia, Mount};

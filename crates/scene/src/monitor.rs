@@ -84,7 +84,7 @@ impl Monitor<'_> {
                 own_shape(part, shape, self.axes, see);
             }
         }
-        let cell = self.fluid.map_or(0.0, |fluid| fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min));
+        let cell = self.fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
         let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
         for [i, j] in near_pairs(&bounds, cell / 4.0) {
             let (one, two) = (known[i], known[j]);
@@ -143,7 +143,7 @@ fn warning(key: &str, t: f64, text: &str) -> Warning {
 
 /// Show how far a part reaches over the edges of the box, into walls and zones, and whether it stops the stream.
 fn limits(fluid: &Fluid, part: &Part, shape: &Shape, see: See) {
-    let (cell, bounds): (_, Bounds<3>) = (fluid.r#box.spacing(), shape.bounds());
+    let (cell, bounds): (_, Bounds<3>) = (fluid.spacing(), shape.bounds());
     let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
     for (axis, ends) in fluid.r#box.ends().enumerate() {
         let (over, name) = (out(axis, ends), AXES[axis]);

@@ -128,12 +128,17 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let (ends, obstacles): (Vec<_>, Vec<_>) = (fluid.r#box.ends().collect(), fluid.obstacles().collect());
     let shapes: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.shape_at(0.0, &ends)).collect();
     check_bodies(fluid, &obstacles, &shapes, faults);
-    if let Some(reason) = wing_at_start(scene).and_then(|wing| misplaced(fluid, &wing, "wing")) {
+    if let Some(reason) =
+        wing_at_start(scene).and_then(|wing| misplaced(fluid, &wing, "wing").or_else(|| in_rim(fluid, &wing)))
+    {
         faults.push(Fault::conflict("wing.mesh", "the mesh of the wing", &reason));
     }
     let lines = lines(scene);
     for (j, line) in lines.iter().enumerate() {
         check_line(fluid, line, faults);
+        if let Some(reason) = line.nodes.iter().find_map(|node| of_rim(fluid, &node.map(|at| [at; 2]))) {
+            faults.push(line.refused(&reason));
+        }
         for (i, (obstacle, shape)) in obstacles.iter().zip(&shapes).enumerate() {
             if line.support != Some(i)
                 && let Some(fault) = passage(fluid, line, &obstacle.key, shape)
@@ -152,7 +157,7 @@ fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], shapes: &[Shape], faults:
     let refused =
         |Obstacle { place, body, .. }: &Obstacle, reason: &str| Fault::conflict(place, &shown(&body.position), reason);
     for (obstacle, shape) in obstacles.iter().zip(shapes) {
-        if let Some(reason) = misplaced(fluid, shape, "body") {
+        if let Some(reason) = misplaced(fluid, shape, "body").or_else(|| in_rim(fluid, shape)) {
             faults.push(refused(obstacle, &reason));
         }
     }
@@ -281,7 +286,7 @@ pub(crate) fn walls(fluid: &Fluid) -> Vec<(usize, [f64; 2])> {
 
 /// Return what a body with this shape stops by leaving no way around it.
 pub(crate) fn blocked(fluid: &Fluid, shape: &Shape) -> Option<String> {
-    let (cell, streams, bounds) = (fluid.r#box.spacing(), streams(fluid), shape.bounds());
+    let (cell, streams, bounds) = (fluid.spacing(), streams(fluid), shape.bounds());
     let ends: Vec<_> = fluid.r#box.ends().collect();
     let mut walled = ends.clone();
     for (axis, walls) in walls(fluid) {
@@ -301,9 +306,27 @@ pub(crate) fn blocked(fluid: &Fluid, shape: &Shape) -> Option<String> {
     })
 }
 
+/// Return that a shape at rest reaches into the rim of the fine box.
+fn in_rim(fluid: &Fluid, shape: &Shape) -> Option<String> {
+    of_rim(fluid, &shape.bounds())
+}
+
+/// Return the same of what lies between two ends along each axis, m.
+fn of_rim(fluid: &Fluid, bounds: &[[f64; 2]; 3]) -> Option<String> {
+    let inner = fluid.fine_box.as_ref()?.inner(&fluid.r#box);
+    let sides = inner.into_iter().zip(bounds).zip(AXES);
+    sides
+        .filter(|((inner, own), _)| own[0] < inner[0] || own[1] > inner[1])
+        .map(|((inner, own), axis)| {
+            let [own, inner] = [own, &inner].map(|ends| shown(ends));
+            format!("reaches over {axis} {own}, but the rim of `fine_box` leaves {axis} {inner}")
+        })
+        .next()
+}
+
 /// Check that a beam neither passes through a wall of the channel nor lies in a zone.
 fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
-    let cell = fluid.r#box.spacing();
+    let cell = fluid.spacing();
     for (axis, walls) in walls(fluid) {
         // A root may be embedded in a wall; what leaves the channel never comes from there.
         let in_wall = |p: &[f64; 3]| beyond(p[axis], walls) > cell[axis];
@@ -337,7 +360,7 @@ fn passage(fluid: &Fluid, line: &Line, key: &str, shape: &Shape) -> Option<Fault
         Shape::Outline(_) | Shape::Solid(_) => (),
     }
     let is_cylinder = key.starts_with("fluid.cylinders");
-    let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+    let cell = fluid.spacing().into_iter().fold(0.0, f64::max);
     let deep = cell.min(shape.thickness() / 4.0);
     let inside = |p: &[f64; 3]| shape.distance(*p) < -deep;
     // A root may be embedded in a body, and a beam may begin at the surface of any.

@@ -22,7 +22,7 @@ impl Scene {
     /// from 0 at the root to 1 at the tip: of the fluid inside the mask, or in the layer that a line stands for. A rod
     /// on a line that is lighter than this layer has as little as itself.
     pub(crate) fn displaced<'a>(&self, fluid: &'a Fluid, beam: &'a Beam, rod: &'a Rod) -> impl Fn(f64) -> f64 + 'a {
-        let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+        let cell = fluid.spacing().into_iter().fold(0.0, f64::max);
         let layer = if fluid.is_space() { ROD_SECTION_CELLS * cell * cell } else { LINE_THICKNESS_CELLS * cell };
         move |s| match beam.surface {
             Surface::Line => (fluid.density * layer).min(rod.material.section(&beam.thickness, s).line_density),

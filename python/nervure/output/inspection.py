@@ -17,6 +17,7 @@ from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
+from nervure.scene.types import FineBox, Fluid
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
 from nervure.units.describe import unit_names
@@ -86,6 +87,8 @@ def show_scene(console: Console, scene: Scene) -> None:
     if fluid := scene.fluid:
         spacing = (f"{length:.3g}" for length in cell_lengths(fluid))
         rows.append(("fluid", f"{' x '.join(map(str, fluid.box.cells))} cells of {' x '.join(spacing)} m"))
+        if fine := fluid.fine_box:
+            rows.append(("fine box", _fine_box(fine, fluid)))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in facts.beams:
         beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in facts.thickness[own.force][[0, -1]])
@@ -106,6 +109,21 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows += _measured(scene)
     rows += (("warning", text) for text in forecast.warnings(facts))
     _print(console, scene.name, rows)
+
+
+def _fine_box(fine: FineBox, fluid: Fluid) -> str:
+    """Return number and lengths of the cells of a fine box."""
+    counts, lengths = [], []
+    for (low, high), (own_low, own_high), large in zip(
+        (end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end),
+        (end for end in (fine.x, fine.y, fine.z) if end),
+        fluid.box.cells,
+        strict=True,
+    ):
+        cell = (high - low) / large
+        counts.append(str(fine.ratio * (round((own_high - low) / cell) - round((own_low - low) / cell))))
+        lengths.append(f"{cell / fine.ratio:.3g}")
+    return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m"
 
 
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:

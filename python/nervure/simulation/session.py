@@ -86,7 +86,9 @@ class Session(TimeLoop):
         """Give the guards the numbers from which they compute advice."""
         if (fluid := self.scene.fluid) is None or not self.scheme.guards:
             return
-        cell, stepping, (mask,) = cell_lengths(fluid), fluid.time_stepping, fluid.mask.document().values()
+        ratio = fluid.fine_box.ratio if fluid.fine_box else 1
+        cell = tuple(length / ratio for length in cell_lengths(fluid))
+        stepping, (mask,) = fluid.time_stepping, fluid.mask.document().values()
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]

@@ -242,6 +242,12 @@ where
         (self.rate.as_deref(), MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams })
     }
 
+    /// Return the cells of all bodies.
+    pub fn cells(&self) -> impl Iterator<Item = &Cell<D>> {
+        let rigid = self.rigid.iter().flat_map(|rigid| rigid.cells.iter());
+        rigid.chain(self.beams.iter().flat_map(|beam| beam.cells().iter()))
+    }
+
     /// Return the cells of the bodies whose drag changes: those that move or have a wall target.
     fn changing(&self) -> impl Iterator<Item = &Cells<D>> {
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);

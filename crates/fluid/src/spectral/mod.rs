@@ -11,9 +11,9 @@ mod volume_projection;
 use std::sync::{Mutex, PoisonError};
 
 use line_fft::{Arithmetic, Kernel, Pack, Real, Team, run};
-use method::Filter;
 
 use crate::field::{Field, is_available};
+use crate::filter::Damping;
 use crate::flow::Flow;
 use crate::grid::Grid;
 use crate::timer::PhaseTimer;
@@ -45,8 +45,8 @@ pub struct Implicit<const D: usize> {
 
 /// Transforms of one grid, with room for the spectra.
 pub trait Transforms<R: Real, const D: usize>: Send {
-    /// Plan for a grid and at most `threads` threads.
-    fn new(grid: &Grid<D>, filter: Filter, threads: usize) -> Self;
+    /// Plan for a grid, a damping of short waves, and at most `threads` threads.
+    fn new(grid: &Grid<D>, damping: Damping, threads: usize) -> Self;
 
     /// Return the number of threads that share the work.
     fn threads(&self) -> usize;
@@ -154,10 +154,13 @@ fn write_within<R: Real, const D: usize>(
 }
 
 /// Largest `|u|/dx + |v|/dy + …`, 1/s.
-struct AdvectionRate<'a, R, const D: usize> {
-    inv_spacing: [R; D],
-    velocity: [&'a [R]; D],
-    largest: &'a mut R,
+pub struct AdvectionRate<'a, R, const D: usize> {
+    /// One over the spacing, 1/m.
+    pub inv_spacing: [R; D],
+    /// Velocity, m/s.
+    pub velocity: [&'a [R]; D],
+    /// Where it is written.
+    pub largest: &'a mut R,
 }
 
 impl<R: Real, const D: usize> Kernel for AdvectionRate<'_, R, D> {

@@ -4,11 +4,11 @@ use std::iter::repeat;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use line_fft::{Block, Fft2, Pack, Real, Scratch, Team, nothing, run};
-use method::Filter;
 
 pub use super::plane_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
 use crate::field::Field;
+use crate::filter::Damping;
 use crate::flow::Flow;
 use crate::grid::Grid;
 use crate::timer::{Phase, PhaseTimer};
@@ -128,8 +128,8 @@ impl<R: Real> PlaneTransforms<R> {
 }
 
 impl<R: Real> Transforms<R, 2> for PlaneTransforms<R> {
-    fn new(grid: &Grid<2>, filter: Filter, threads: usize) -> Self {
-        let mut projection = Projection::new(grid, filter);
+    fn new(grid: &Grid<2>, damping: Damping, threads: usize) -> Self {
+        let mut projection = Projection::new(grid, damping);
         let threads = worth::<R>(threads, grid.len());
         let fft = Fft2::new(grid.cells[0], grid.cells[1], projection.modes());
         projection.set_gains(&fft.gains());

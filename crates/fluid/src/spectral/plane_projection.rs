@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use std::marker::PhantomData;
 
 use super::Implicit;
-use crate::filter::smooth_damping;
+use crate::filter::{Damping, smooth_damping};
 use crate::grid::Grid;
 use line_fft::Pack;
 use line_fft::{Arithmetic, F64_LANES, Kernel, Real, run};
@@ -34,7 +34,8 @@ pub struct Projection<R> {
 
 impl<R: Real> Projection<R> {
     /// Prepare wavenumbers and filter of a grid.
-    pub fn new(grid: &Grid<2>, filter: Filter) -> Self {
+    pub fn new(grid: &Grid<2>, damping: impl Into<Damping>) -> Self {
+        let of_modes = damping.into();
         let ([nx, ny], [length, height]) = (grid.cells, grid.size);
         let signed = |i: usize, n: usize| if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
         let kx: Vec<f64> = (0..nx).map(|i| TAU / length * signed(i, nx)).collect();
@@ -45,10 +46,11 @@ impl<R: Real> Projection<R> {
             if p >= 1.0 || q >= 1.0 {
                 return f64::INFINITY;
             }
-            match filter {
-                Filter::TwoThirds if 2.25 * fraction_squared >= 1.0 => f64::INFINITY,
-                Filter::None | Filter::TwoThirds => 0.0,
-                Filter::Smooth => smooth_damping(fraction_squared.sqrt()),
+            match of_modes {
+                Damping::Of(Filter::TwoThirds) if 2.25 * fraction_squared >= 1.0 => f64::INFINITY,
+                Damping::Of(Filter::None | Filter::TwoThirds) => 0.0,
+                Damping::Of(Filter::Smooth) => smooth_damping(fraction_squared.sqrt()),
+                Damping::EachAxis => smooth_damping(p) + smooth_damping(q),
             }
         };
         let modes = (0..=ny / 2).rev().find(|&j| (0..nx).any(|i| damping(i, j) < f64::INFINITY)).map_or(0, |j| j + 1);

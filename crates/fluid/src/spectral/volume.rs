@@ -4,11 +4,11 @@ use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use line_fft::{Fft3, Pack, Real, Team, VolumeScratch, run};
-use method::Filter;
 
 use super::volume_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
 use crate::field::Field;
+use crate::filter::Damping;
 use crate::flow::Flow;
 use crate::grid::Grid;
 use crate::timer::{Phase, PhaseTimer};
@@ -56,8 +56,8 @@ impl<R: Real> VolumeTransforms<R> {
 }
 
 impl<R: Real> Transforms<R, 3> for VolumeTransforms<R> {
-    fn new(grid: &Grid<3>, filter: Filter, threads: usize) -> Self {
-        let mut projection = Projection::new(grid, filter);
+    fn new(grid: &Grid<3>, damping: Damping, threads: usize) -> Self {
+        let mut projection = Projection::new(grid, damping);
         let fft = Fft3::new(grid.cells, projection.kept());
         projection.set_gains(&fft.gains());
         Self {

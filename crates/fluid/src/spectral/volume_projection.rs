@@ -11,7 +11,7 @@ use line_fft::{Arithmetic, Complexes, F64_LANES, Kernel, Pack, Real, run};
 use method::Filter;
 
 use super::Implicit;
-use crate::filter::smooth_damping;
+use crate::filter::{Damping, smooth_damping};
 use crate::grid::Grid;
 
 /// Wavenumbers and filter of one grid, for the lines of the spectra of [`line_fft::Fft3`].
@@ -32,7 +32,8 @@ pub struct Projection<R> {
 
 impl<R: Real> Projection<R> {
     /// Prepare wavenumbers and filter of a grid.
-    pub fn new(grid: &Grid<3>, filter: Filter) -> Self {
+    pub fn new(grid: &Grid<3>, damping: impl Into<Damping>) -> Self {
+        let of_modes = damping.into();
         let ([nx, ny, nz], size) = (grid.cells, grid.size);
         let signed = |i: usize, n: usize| if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
         let wavenumbers = |axis: usize| -> Vec<f64> {
@@ -42,16 +43,17 @@ impl<R: Real> Projection<R> {
         let damping = |i: usize, j: usize, k: usize| {
             let fractions = [2.0 * i as f64 / nx as f64, 2.0 * j as f64 / ny as f64, 2.0 * k as f64 / nz as f64];
             let squared: f64 = fractions.iter().map(|fraction| fraction * fraction).sum();
-            let is_cut = match filter {
-                Filter::Smooth => squared >= 1.0,
-                Filter::TwoThirds => 2.25 * squared >= 1.0,
+            let is_cut = match of_modes {
+                Damping::Of(Filter::Smooth) => squared >= 1.0,
+                Damping::Of(Filter::TwoThirds) => 2.25 * squared >= 1.0,
                 // The highest wave of an even grid has no odd derivative.
-                Filter::None => fractions.iter().any(|fraction| *fraction >= 1.0),
+                Damping::Of(Filter::None) | Damping::EachAxis => fractions.iter().any(|fraction| *fraction >= 1.0),
             };
-            match filter {
+            match of_modes {
                 _ if is_cut => f64::INFINITY,
-                Filter::Smooth => smooth_damping(squared.sqrt()),
-                Filter::None | Filter::TwoThirds => 0.0,
+                Damping::Of(Filter::Smooth) => smooth_damping(squared.sqrt()),
+                Damping::Of(Filter::None | Filter::TwoThirds) => 0.0,
+                Damping::EachAxis => fractions.into_iter().map(smooth_damping).sum(),
             }
         };
         let is_left = |j: usize, k: usize| damping(0, j, k) < f64::INFINITY;

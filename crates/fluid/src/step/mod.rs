@@ -5,19 +5,45 @@ mod rk2;
 mod sbdf2;
 mod substep;
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use line_fft::Real;
 
 use crate::error::Error;
 use crate::field::Field;
 use crate::flow::Flow;
+use crate::grid::Grid;
 use crate::present::Present;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::state::Memory;
 
 pub use rk2::Rk2;
-pub use sbdf2::Sbdf2;
+pub use sbdf2::{Differences, Sbdf2};
 pub use substep::Substep;
+
+/// Return `Pi − u²/2` (m²/s²) at a point.
+pub fn static_pressure<R: Real, const D: usize>(pi: &[R], flow: &Flow<R, D>, point: usize) -> f64 {
+    pi[point].to_f64() - 0.5 * square(flow.velocity_at(point))
+}
+
+/// Return the square of a vector.
+pub fn square<const D: usize>(vector: [f64; D]) -> f64 {
+    vector[1..].iter().fold(vector[0] * vector[0], |sum, component| sum + component * component)
+}
+
+/// A velocity to start from, m/s, at a point of a grid.
+pub type StartVelocity<'a, const D: usize> = dyn Fn(&Grid<D>, usize) -> [f64; D] + 'a;
+
+/// Write a velocity at all points of a grid.
+pub fn fill<R: Real, const D: usize>(to: &mut [Field<R>; D], velocity: &StartVelocity<D>, grid: &Grid<D>) {
+    for point in 0..grid.len() {
+        for (to, u) in to.iter_mut().zip(velocity(grid, point)) {
+            to[point] = R::rounded(u);
+        }
+    }
+}
 
 /// A time scheme with its memory of earlier steps and its work space.
 pub trait Scheme<R: Real, const D: usize>: Send
@@ -44,11 +70,14 @@ where
         None
     }
 
-    /// Return room for the velocity from which [`Self::start`] starts, m/s. Nothing in it has a meaning between calls.
-    fn room(&mut self) -> &mut [Field<R>; D];
-
-    /// Start from the divergence-free part of the velocity in [`Self::room`].
-    fn start(&mut self, flow: &mut Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>);
+    /// Start from the divergence-free part of a velocity.
+    fn start(
+        &mut self,
+        velocity: &StartVelocity<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    );
 
     /// Make a step. After an error only the bodies have changed: they are at the end of the step.
     ///
@@ -66,10 +95,36 @@ where
     ///
     /// Implicit drag acts on the bodies where that step ends: at their present places the loads would be late by a step,
     /// and the exchange would feed the rod. Explicit drag acts at their present places.
-    fn predict_loads(&self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>);
+    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Return Pi at the present time (m²/s²), which makes the rate of change free of divergence.
     fn total_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R];
+
+    /// Return the static pressure over the density at all points of the domain, `Pi − u²/2` (m²/s²).
+    fn static_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+        let pi = self.total_pressure(flow, present, problem);
+        (0..pi.len()).map(|point| static_pressure(pi, flow, point)).collect()
+    }
+
+    /// Call `visit` with some points of the domain, in ascending order, by the flow there and the point of its own grid.
+    fn for_each_in_domain<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        mut visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        points.for_each(|point| visit(flow, point));
+    }
+
+    /// Return the number of points of the domain.
+    fn points_of_domain(&self, flow: &Flow<R, D>) -> usize {
+        flow.velocity[0].len()
+    }
+
+    /// Return a field of the flow over the domain, copied only if it is not in one piece and precision.
+    fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {
+        R::field_to_f64(of(flow))
+    }
 
     /// Return the divergence of a velocity (m/s), 1/s.
     fn divergence(&mut self, velocity: &[Field<R>; D]) -> &[R];

@@ -17,8 +17,8 @@ use std::mem::swap;
 
 use line_fft::{Arithmetic, Kernel, Pack, Real, Team, nothing, run};
 
-use super::Scheme;
 use super::substep::Substep;
+use super::{Scheme, StartVelocity, fill};
 use crate::bodies::{Bodies, Cell};
 use crate::error::Error;
 use crate::field::Field;
@@ -143,11 +143,14 @@ impl<R: Real> Scheme<R, 2> for Rk2<R> {
         Some(1.0 / stiffest.max(f64::MIN_POSITIVE))
     }
 
-    fn room(&mut self) -> &mut [Field<R>; 2] {
-        &mut self.w
-    }
-
-    fn start(&mut self, flow: &mut Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
+    fn start(
+        &mut self,
+        velocity: &StartVelocity<2>,
+        flow: &mut Flow<R, 2>,
+        present: &mut Present<2>,
+        problem: &mut Problem<2>,
+    ) {
+        fill(&mut self.w, velocity, &problem.grid);
         let limit = f64::INFINITY;
         let implicit = Implicit { tau_nu: 0.0, cfl: 0.0, mean: problem.mean_velocity(present.time), limit };
         present.advection_rate = self.solve_stage(&Team::alone(), Stage::Start, &implicit, problem);
@@ -180,7 +183,7 @@ impl<R: Real> Scheme<R, 2> for Rk2<R> {
 
     /// Write the present drag on the beams. A change of a body's velocity in the coming step takes the fluid along by
     /// `dt a_b/2`.
-    fn predict_loads(&self, flow: &Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
+    fn predict_loads(&mut self, flow: &Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
         let Bodies { beams, cell_mass: weight, .. } = &problem.bodies;
         let step = present.step;
         let drag = |cell: &Cell<2>| {

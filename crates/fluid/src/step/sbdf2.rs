@@ -25,8 +25,8 @@ use std::ops::Range;
 
 use line_fft::{Arithmetic, F64_LANES, Kernel, Real, Team, from_f64s, nothing, run, to_f64s};
 
-use super::Scheme;
 use super::substep::Substep;
+use super::{Scheme, StartVelocity, fill};
 use crate::bodies::Cell;
 use crate::error::Error;
 use crate::field::Field;
@@ -50,6 +50,8 @@ pub struct Sbdf2<R: Real, T, const D: usize> {
     transforms: T,
     /// Velocity that goes into the solve in Fourier space, m/s. Nothing in it has a meaning between steps.
     w: [Field<R>; D],
+    /// Given acceleration, m/s²: absent where the fluid is on one grid.
+    source: Option<[Field<R>; D]>,
 }
 
 impl<R: Real, T: Transforms<R, D>, const D: usize> Sbdf2<R, T, D>
@@ -60,11 +62,69 @@ where
     pub fn new(transforms: T, points: usize) -> Self {
         let fields = || [(); D].map(|()| Field::uniform(R::zero(), points));
         let [before, earlier] = [(); 2].map(|()| Flow::uniform([0.0; D], points));
-        Self {
-            memory: TwoStep { before, earlier, w: fields(), inv_tau: 0.0, step_before: 0.0 },
-            transforms,
-            w: fields(),
-        }
+        let memory = TwoStep { before, earlier, w: fields(), inv_tau: 0.0, step_before: 0.0 };
+        Self { memory, transforms, w: fields(), source: None }
+    }
+
+    /// The same with a given acceleration, 0 at first.
+    pub fn with_source(self) -> Self {
+        let source = self.w.each_ref().map(|w| Field::uniform(R::zero(), w.len()));
+        Self { source: Some(source), ..self }
+    }
+
+    /// Return the memory.
+    pub fn two_step(&self) -> &TwoStep<R, D> {
+        &self.memory
+    }
+
+    /// Return the memory, to be changed.
+    pub fn two_step_mut(&mut self) -> &mut TwoStep<R, D> {
+        &mut self.memory
+    }
+
+    /// Return the given acceleration, m/s², to be set.
+    pub fn source_mut(&mut self) -> &mut Option<[Field<R>; D]> {
+        &mut self.source
+    }
+
+    /// Return a component of G at a point, m/s².
+    pub fn g(&self, flow: &Flow<R, D>, axis: usize, point: usize) -> f64 {
+        self.memory.inv_tau * (self.memory.w[axis][point].to_f64() - flow.velocity[axis][point].to_f64())
+    }
+
+    /// Return `w`, that of the last step, and `1/tau` of the last step.
+    pub fn w_and_last(&mut self) -> (&mut [Field<R>; D], &[Field<R>; D], f64) {
+        (&mut self.w, &self.memory.w, self.memory.inv_tau)
+    }
+
+    /// Return `w` and the flow that [`Self::solve_in_fourier_space`] makes of it.
+    pub fn solved(&mut self) -> (&mut [Field<R>; D], &mut Flow<R, D>) {
+        (&mut self.w, &mut self.memory.earlier)
+    }
+
+    /// Return Pi (m²/s²) that belongs to `w` of the last step less a velocity, which `take_off` is to take off it. It is
+    /// in the place of the given acceleration.
+    pub fn pressure_without(&mut self, cfl: f64, take_off: impl FnOnce(&mut [Field<R>; D])) -> &mut [R] {
+        let Self { memory, transforms, w, source } = self;
+        w.iter_mut().zip(&memory.w).for_each(|(w, last)| w.copy_from_slice(last));
+        take_off(w);
+        let Some(pressure) = source.iter_mut().flatten().next() else { return &mut [] };
+        transforms.pressure(w, memory.inv_tau, cfl, pressure);
+        pressure
+    }
+
+    /// Return the divergence (1/s) of a velocity less another, which `take_off` is to take off it, in the same place.
+    pub fn divergence_without(
+        &mut self,
+        velocity: &[Field<R>; D],
+        take_off: impl FnOnce(&mut [Field<R>; D]),
+    ) -> &mut [R] {
+        let Self { transforms, w, source, .. } = self;
+        w.iter_mut().zip(velocity).for_each(|(w, velocity)| w.copy_from_slice(velocity));
+        take_off(w);
+        let Some(divergence) = source.iter_mut().flatten().next() else { return &mut [] };
+        transforms.divergence(w, divergence);
+        divergence
     }
 
     /// Put the bodies to the end of the step, and write u* + tau G without their velocities to `w`. With helpers the
@@ -78,8 +138,8 @@ where
         problem: &mut Problem<D>,
     ) {
         let placement = step.placement(&present.flexible.stations);
-        let Self { memory, w, .. } = self;
-        let (known, extrapolated) = (Known::of(flow, memory), extrapolated(scheme, flow, memory));
+        let Self { memory, w, source, .. } = self;
+        let (known, extrapolated) = (Known::of(flow, memory, source), extrapolated(scheme, flow, memory));
         let Problem { bodies, grid, timer, .. } = problem;
         if step.team.is_alone() {
             bodies.moving().place(&placement, grid);
@@ -111,6 +171,96 @@ where
         swap(w, &mut self.w);
         (self.memory.inv_tau, self.memory.step_before) = (inv_tau, step);
     }
+
+    /// Put the bodies to the end of the step, and write u* + tau G to `w`.
+    ///
+    /// # Errors
+    /// [`Error::Markers`].
+    pub fn solve_in_space(
+        &mut self,
+        step: &Substep<D>,
+        flow: &Flow<R, D>,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
+    ) -> Result<Differences, Error> {
+        let scheme = Differences::new(step.dt, present.step, self.memory.step_before);
+        self.place_and_solve(step, &scheme, flow, present, problem);
+        let Self { memory, w, .. } = self;
+        let share = scheme.tau * memory.inv_tau;
+        let (velocity, w_last) = (&flow.velocity, &memory.w);
+        let u_star = |point: usize, w: [f64; D]| {
+            let tau_g = |axis: usize| share * (w_last[axis][point].to_f64() - velocity[axis][point].to_f64());
+            std::array::from_fn(|axis| w[axis] - tau_g(axis))
+        };
+        let Problem { bodies, thin, grid, timer, .. } = problem;
+        let time = step.end;
+        bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
+        bodies.solve_springs(scheme.c, &present.carried, u_star, w);
+        thin.place(step.stations, &bodies.rigid, grid);
+        if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
+            return Err(Error::Markers { time });
+        }
+        timer.mark(Phase::Velocities);
+        Ok(scheme)
+    }
+
+    /// Solve for the next flow with a prescribed `mean` velocity (m/s), and return its advection rate (1/s), which need
+    /// not be found above `limit`.
+    pub fn solve_in_fourier_space(
+        &mut self,
+        step: &Substep<D>,
+        scheme: &Differences,
+        mean: Option<[f64; D]>,
+        limit: f64,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
+    ) -> f64 {
+        let Self { memory, transforms, w, .. } = self;
+        let implicit = Implicit { tau_nu: scheme.tau * problem.nu, cfl: present.cfl(step.dt), mean, limit };
+        let Problem { bodies, grid, timer, .. } = problem;
+        let look_ahead = || {
+            if let Some(ahead) = step.ahead {
+                bodies.beams.iter_mut().for_each(|beam| beam.look_ahead(ahead, step.stations, grid));
+            }
+        };
+        transforms.solve(step.team, &implicit, w, &mut memory.earlier, timer, look_ahead)
+    }
+
+    /// Sum up the forces, and make the next flow with its advection rate (1/s) the present one.
+    pub fn accept(
+        &mut self,
+        step: &Substep<D>,
+        scheme: &Differences,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+        advection_rate: f64,
+    ) {
+        problem.sum_up_forces(step.dt, self.drag(scheme, flow), step.stations, present);
+        problem.timer.mark(Phase::Forces);
+        self.take_over(flow, scheme.c[0], present.step);
+        step.commit(present, &mut problem.bodies, advection_rate);
+        if let Some(ahead) = step.ahead {
+            problem.place_thin(ahead);
+        }
+    }
+
+    /// Return the drag on a cell of a mask over the density, m/s².
+    pub fn drag<'a>(
+        &'a self,
+        scheme: &'a Differences,
+        Flow { velocity, .. }: &'a Flow<R, D>,
+    ) -> impl Fn(&Cell<D>) -> Vector<D> + 'a {
+        let Self { memory: TwoStep { w: w_last, inv_tau, .. }, w, .. } = self;
+        move |cell| {
+            let u_star = Vector::from_fn(|axis, _| {
+                let [u, w_last, w] = [velocity, w_last, w].map(|field| field[axis][cell.index].to_f64());
+                let g = inv_tau * (w_last - u);
+                w - scheme.tau * g
+            });
+            (u_star - cell.velocity) * cell.rate
+        }
+    }
 }
 
 impl<R: Real, T: Transforms<R, D>, const D: usize> Scheme<R, D> for Sbdf2<R, T, D>
@@ -141,15 +291,18 @@ where
         }
     }
 
-    fn room(&mut self) -> &mut [Field<R>; D] {
-        &mut self.w
-    }
-
     /// A step of no length leaves the projection of the solve in Fourier space.
-    fn start(&mut self, flow: &mut Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+    fn start(
+        &mut self,
+        velocity: &StartVelocity<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    ) {
+        fill(&mut self.w, velocity, &problem.grid);
         let mean = problem.mean_velocity(present.time);
         let implicit = Implicit { tau_nu: f64::MIN_POSITIVE * problem.nu, cfl: 0.0, mean, limit: f64::INFINITY };
-        let Self { memory, transforms, w } = self;
+        let Self { memory, transforms, w, .. } = self;
         let (team, timer) = (&Team::alone(), &mut problem.timer);
         present.advection_rate = transforms.solve(team, &implicit, w, &mut memory.earlier, timer, nothing);
         self.take_over(flow, 0.0, 0.0);
@@ -162,62 +315,22 @@ where
         present: &mut Present<D>,
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
-        let scheme = Differences::new(step.dt, present.step, self.memory.step_before);
-        self.place_and_solve(step, &scheme, flow, present, problem);
-        let Self { memory, transforms, w } = self;
-        let share = scheme.tau * memory.inv_tau;
-        let (velocity, w_last) = (&flow.velocity, &memory.w);
-        let u_star = |point: usize, w: [f64; D]| {
-            let tau_g = |axis: usize| share * (w_last[axis][point].to_f64() - velocity[axis][point].to_f64());
-            std::array::from_fn(|axis| w[axis] - tau_g(axis))
-        };
-        let Problem { bodies, thin, grid, timer, .. } = problem;
-        let time = step.end;
-        bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.solve_springs(scheme.c, &present.carried, u_star, w);
-        thin.place(step.stations, &bodies.rigid, grid);
-        if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
-            return Err(Error::Markers { time });
-        }
-        timer.mark(Phase::Velocities);
-        let mean = problem.mean_velocity(time);
-        let implicit =
-            Implicit { tau_nu: scheme.tau * problem.nu, cfl: present.cfl(step.dt), mean, limit: step.limit() };
-        let Problem { bodies, grid, timer, .. } = problem;
-        let look_ahead = || {
-            if let Some(ahead) = step.ahead {
-                bodies.beams.iter_mut().for_each(|beam| beam.look_ahead(ahead, step.stations, grid));
-            }
-        };
-        let advection_rate = transforms.solve(step.team, &implicit, w, &mut memory.earlier, timer, look_ahead);
+        let scheme = self.solve_in_space(step, flow, present, problem)?;
+        let mean = problem.mean_velocity(step.end);
+        let advection_rate = self.solve_in_fourier_space(step, &scheme, mean, step.limit(), present, problem);
         step.check(advection_rate)?;
-
-        let drag = |cell: &Cell<D>| {
-            let u_star = Vector::from_fn(|axis, _| {
-                let [u, w_last, w] = [velocity, w_last, &*w].map(|field| field[axis][cell.index].to_f64());
-                let g = memory.inv_tau * (w_last - u);
-                w - scheme.tau * g
-            });
-            (u_star - cell.velocity) * cell.rate
-        };
-        problem.sum_up_forces(step.dt, drag, step.stations, present);
-        problem.timer.mark(Phase::Forces);
-        self.take_over(flow, scheme.c[0], present.step);
-        step.commit(present, &mut problem.bodies, advection_rate);
-        if let Some(ahead) = step.ahead {
-            problem.place_thin(ahead);
-        }
+        self.accept(step, &scheme, flow, present, problem, advection_rate);
         Ok(())
     }
 
     /// Write the drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    fn predict_loads(&self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
         let scheme = Differences::new(present.step, present.step, self.memory.step_before);
         let time = present.time + present.step;
         let Problem { bodies, thin, grid, .. } = problem;
         bodies.beams.iter_mut().for_each(|beam| beam.move_ahead());
         bodies.sample(extrapolated(&scheme, flow, &self.memory));
-        let known = Known::of(flow, &self.memory);
+        let known = Known::of(flow, &self.memory, &self.source);
         let right_side = |point: usize| known.right_side(&scheme, point).map(|(r, _)| r);
         let loads = &mut present.flexible.loads;
         let add = |points: &[usize], sums: &mut [[f64; D]]| bodies.add_velocities_at(time, grid, points, sums);
@@ -234,7 +347,7 @@ where
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {
-        let Self { memory, transforms, w } = self;
+        let Self { memory, transforms, w, .. } = self;
         transforms.pressure(&memory.w, memory.inv_tau, present.cfl(present.step), &mut w[0]);
         &w[0]
     }
@@ -277,7 +390,11 @@ fn solve_locally<R: Real, const D: usize>(
     team.share(meanwhile, parts, |(first, w)| {
         let points = first..first + w[0].len();
         let rate = rate.map(|rate| &rate[points.clone()]);
-        run(LocalSolve { known: known.points(points), scheme, rate, w });
+        let known = known.points(points);
+        match known.source {
+            Some(source) => run(LocalSolve { add: Source(source), known, scheme, rate, w }),
+            None => run(LocalSolve { add: NoSource, known, scheme, rate, w }),
+        }
     });
 }
 
@@ -328,13 +445,18 @@ struct Known<'a, R, const D: usize> {
     w: [&'a [R]; D],
     /// `1/tau` of the last step.
     inv_tau: f64,
+    source: Option<[&'a [R]; D]>,
 }
 
 impl<'a, R: Real, const D: usize> Known<'a, R, D>
 where
     [f64; D]: Space<D>,
 {
-    fn of(flow: &'a Flow<R, D>, TwoStep { before, earlier, w, inv_tau, .. }: &'a TwoStep<R, D>) -> Self {
+    fn of(
+        flow: &'a Flow<R, D>,
+        TwoStep { before, earlier, w, inv_tau, .. }: &'a TwoStep<R, D>,
+        source: &'a Option<[Field<R>; D]>,
+    ) -> Self {
         let vorticity = |flow: &'a Flow<R, D>| std::array::from_fn(|c| flow.vorticity.get(c).map_or(&[][..], |of| of));
         Self {
             velocity: flow.velocity.each_ref().map(|u| &**u),
@@ -345,6 +467,7 @@ where
             vorticity_earlier: vorticity(earlier),
             w: w.each_ref().map(|w| &**w),
             inv_tau: *inv_tau,
+            source: source.as_ref().map(|source| source.each_ref().map(|source| &**source)),
         }
     }
 
@@ -359,12 +482,13 @@ where
             velocity_earlier: self.velocity_earlier.map(part),
             vorticity_earlier: self.vorticity_earlier.map(part),
             w: self.w.map(part),
+            source: self.source.map(|source| source.map(part)),
             ..*self
         }
     }
 
-    /// Return the components, at point `i`, of `c_1 u^n + c_2 u^{n−1} − Σ e_j N^{n+1−j} − G^n`, the right-hand side
-    /// without the bodies, and of G^n.
+    /// Return the components, at point `i`, of `c_1 u^n + c_2 u^{n−1} − Σ e_j N^{n+1−j} − G^n` and the given
+    /// acceleration, the right-hand side without the bodies, and of G^n.
     #[inline(always)]
     fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> [(f64, f64); D] {
         let at = |fields: &[&[R]; D]| fields.map(|field| field[i].to_f64());
@@ -381,7 +505,8 @@ where
         let r = <[f64; D]>::subtract_advection(Scalar, r, e[2], about(&self.vorticity_earlier), u_earlier);
         std::array::from_fn(|a| {
             let g = self.inv_tau * (w[a] - u[a]);
-            (r[a] - g, g)
+            let r = self.source.map_or(r[a], |source| r[a] + source[a][i].to_f64());
+            (r - g, g)
         })
     }
 
@@ -391,16 +516,42 @@ where
     }
 }
 
+/// What adds a given acceleration to the right-hand side in a vector of points; without one nothing is compiled in.
+trait AddSource<const D: usize>: Copy {
+    fn to(self, on: impl Arithmetic<f64>, vector: usize, r: [<f64 as Real>::Vector; D]) -> [<f64 as Real>::Vector; D];
+}
+
+#[derive(Clone, Copy)]
+struct NoSource;
+
+impl<const D: usize> AddSource<D> for NoSource {
+    #[inline(always)]
+    fn to(self, _: impl Arithmetic<f64>, _: usize, r: [<f64 as Real>::Vector; D]) -> [<f64 as Real>::Vector; D] {
+        r
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Source<'a, R, const D: usize>([&'a [R]; D]);
+
+impl<R: Real, const D: usize> AddSource<D> for Source<'_, R, D> {
+    #[inline(always)]
+    fn to(self, on: impl Arithmetic<f64>, i: usize, r: [<f64 as Real>::Vector; D]) -> [<f64 as Real>::Vector; D] {
+        std::array::from_fn(|a| on.add(r[a], to_f64s(&self.0[a].as_chunks::<F64_LANES>().0[i])))
+    }
+}
+
 /// [`Known::solve`] at all points, with the same bits. Fourteen arrays in the plane and twenty-four in space are read
 /// and written at once, which takes most of the time.
-struct LocalSolve<'a, R, const D: usize> {
+struct LocalSolve<'a, R, S, const D: usize> {
+    add: S,
     known: Known<'a, R, D>,
     scheme: &'a Differences,
     rate: Option<&'a [f64]>,
     w: [&'a mut [R]; D],
 }
 
-impl<R: Real, const D: usize> Kernel for LocalSolve<'_, R, D>
+impl<R: Real, S: AddSource<D>, const D: usize> Kernel for LocalSolve<'_, R, S, D>
 where
     [f64; D]: Space<D>,
 {
@@ -408,7 +559,7 @@ where
 
     #[inline(always)]
     fn run(self, on: impl Arithmetic<f64>) {
-        let Self { known, scheme, rate, mut w } = self;
+        let Self { add, known, scheme, rate, mut w } = self;
         let ([c_0, c_1, c_2], [e_1, e_2, e_3]) = (scheme.c.map(f64::splat), scheme.e.map(f64::splat));
         let [tau, inv_tau, zero] = [scheme.tau, known.inv_tau, 0.0].map(f64::splat);
         let (points, vectors) = (w[0].len(), w[0].len() / F64_LANES);
@@ -439,6 +590,7 @@ where
             let r = <[f64; D]>::subtract_advection(Wide(on), r, e_1, omega, u);
             let r = <[f64; D]>::subtract_advection(Wide(on), r, e_2, omega_before, u_before);
             let r = <[f64; D]>::subtract_advection(Wide(on), r, e_3, omega_earlier, u_earlier);
+            let r = add.to(on, i, r);
             let total = rates.map_or(c_0, |rates| on.add(c_0, to_f64s(&rates[i])));
             for a in 0..D {
                 let g = on.mul(inv_tau, on.sub(to_f64s(&last[a][i]), u[a]));

@@ -84,6 +84,12 @@ impl<const D: usize> MarkerDrag<D> {
         });
     }
 
+    /// Call `add` with each grid point and the force on the fluid there, m/s², after [`Self::spread`].
+    pub fn for_each_force(&self, grid: &Grid<D>, mut add: impl FnMut(usize, Vector<D>)) {
+        let scale = -1.0 / grid.cell_volume();
+        self.markers.spread_sums().for_each(|(point, sum)| add(point, sum * scale));
+    }
+
     /// Solve for forces and slopes in a local solve with `right_side` at a grid point. The slopes are not finite if no
     /// solution was found.
     pub fn predict(

@@ -166,6 +166,12 @@ impl<const D: usize> Markers<D> {
         points.iter().zip(at_points).for_each(|(point, sum)| add(*point, sum));
     }
 
+    /// Return each grid point with the sum of the last vectors that were spread, times their weights.
+    pub fn spread_sums(&self) -> impl Iterator<Item = (usize, Vector<D>)> {
+        let sums = self.at_points.iter().zip(&self.inverse).map(|(sum, inverse)| sum / *inverse);
+        self.points.iter().copied().zip(sums)
+    }
+
     /// Return the first grid point of a marker along each axis.
     pub fn first_point(&self, k: usize) -> [usize; D] {
         self.own[k].spans.each_ref().map(|(first, _)| *first)

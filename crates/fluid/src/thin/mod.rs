@@ -37,7 +37,7 @@ use markers::Markers;
 use parts::Parts;
 use rigid::{Responses, RigidNodes};
 use slip::Slip;
-use stress::LineStress;
+use stress::{LineStress, Stress, Stresses, SurfaceStress};
 use surface::Facets;
 
 /// A thin body.
@@ -49,8 +49,8 @@ struct Thin<const D: usize> {
     facing: Facing,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
-    /// Stress on a line in the plane.
-    stress: Option<LineStress>,
+    /// Stress on a flexible line in the plane or surface in space.
+    stress: Option<Stress>,
 }
 
 /// What turns the markers of a body.
@@ -104,7 +104,14 @@ where
                     cell,
                     first,
                 );
-                (parts, if slips { Facing::Surface(facets) } else { Facing::Unknown }, areas, edges, thickness)
+                let facing = if slips {
+                    Facing::Surface(facets)
+                } else {
+                    let own = SurfaceStress::new(body.nodes.len(), &parts, facets, areas.clone(), thickness);
+                    stress = Some(Stress::Surface(own));
+                    Facing::Unknown
+                };
+                (parts, facing, areas, edges, thickness)
             }
             extent => {
                 let free = if let Extent::Line { free } = extent { *free } else { [true; 2] };
@@ -117,7 +124,7 @@ where
                 );
                 let measures = vec![length / parts.len() as f64; parts.len()];
                 if D == 2 {
-                    stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
+                    stress = Some(Stress::Line(LineStress::new(&body.nodes, &parts, length, thickness)));
                 }
                 let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
                 (parts, if slips && D == 2 { Facing::Line } else { Facing::Unknown }, measures, edges, layer)
@@ -291,6 +298,11 @@ where
         found
     }
 
+    /// Call `add` with each grid point and the force on the fluid there, m/s², after [`Self::apply`].
+    pub fn for_each_force(&self, grid: &Grid<D>, add: impl FnMut(usize, Vector<D>)) {
+        self.drag.for_each_force(grid, add);
+    }
+
     /// Find the velocities of the bodies on springs together with the forces; return whether they were found.
     fn solve_springs(&mut self, c: [f64; 3], carried: &[Carried<D>], bodies: &mut Bodies<D>) -> bool {
         for thin in &self.bodies[self.flexible.len()..] {
@@ -392,19 +404,20 @@ where
         }
     }
 
-    /// Write the pressure jumps and the shear stresses of each line in the plane at its stations, Pa, in a step of `dt`
-    /// seconds from the stations `before`; both have a list for each flexible body.
+    /// Write the pressure jumps and the shear stresses of each line in the plane and surface in space at its stations, Pa,
+    /// in a step of `dt` seconds from the stations `before`; both have a list for each flexible body.
     pub fn write_stresses(
         &self,
         dt: f64,
         stations: &[Stations<D>],
         before: &[Stations<D>],
-        [jumps, shears]: [&mut [Vec<f64>]; 2],
+        (jumps, shears): (&mut [Vec<f64>], &mut [Vec<Vec<f64>>]),
     ) {
         for (thin, number) in self.with_nodes(stations) {
             let Some(stress) = &thin.stress else { continue };
             let nodes = [&stations[number], &before[number]];
-            stress.write(&self.drag.force, self.density, dt, nodes, [&mut jumps[number], &mut shears[number]]);
+            let own = Stresses { jump: &mut jumps[number], shear: &mut shears[number] };
+            stress.write(&thin.parts, &self.drag.force, self.density, dt, nodes, own);
         }
     }
 }

@@ -1,10 +1,104 @@
-//! Stresses on a line in the plane, from the forces on its markers.
+//! Stresses on a line in the plane or a surface in space, from the forces on its markers.
 
 use std::ops::Range;
 
 use super::parts::Parts;
+use super::surface::Facets;
 use crate::space::{Space, Vector};
 use crate::stations::Stations;
+
+/// Pressure jump and shear stress of a body at its stations, Pa.
+pub struct Stresses<'a> {
+    /// Pressure above less the pressure below the body, above being where normals point.
+    pub jump: &'a mut [f64],
+    /// Shear stress on both faces together, per component: of a line towards its tip, of a surface along each axis.
+    pub shear: &'a mut [Vec<f64>],
+}
+
+/// What makes stresses of the forces on the markers of a body.
+pub enum Stress {
+    /// A line in the plane.
+    Line(LineStress),
+    /// A surface in space.
+    Surface(SurfaceStress),
+}
+
+impl Stress {
+    /// Write the stresses in a step of `dt` seconds from the stations `before`, with the forces on the markers over the
+    /// `density` (kg/m³).
+    pub fn write<const D: usize>(
+        &self,
+        parts: &Parts,
+        force: &[Vector<D>],
+        density: f64,
+        dt: f64,
+        nodes: [&Stations<D>; 2],
+        stresses: Stresses,
+    ) where
+        [f64; D]: Space<D>,
+    {
+        match self {
+            Self::Line(line) => line.write(force, density, dt, nodes, [stresses.jump, &mut stresses.shear[0]]),
+            Self::Surface(surface) => surface.write(parts, force, density, dt, nodes, stresses),
+        }
+    }
+}
+
+/// The patches of a surface, over which the force on a marker counts as stress.
+pub struct SurfaceStress {
+    facets: Facets,
+    /// Areas of the patches, m².
+    areas: Vec<f64>,
+    /// Area of the surface at each node, m².
+    covered: Vec<f64>,
+    /// Thickness of the layer that moves with the surface, m.
+    layer: f64,
+}
+
+impl SurfaceStress {
+    /// The stress on a surface of some nodes in patches of some areas (m²), with the thickness of the layer that moves with
+    /// it, m.
+    pub fn new(nodes: usize, parts: &Parts, facets: Facets, areas: Vec<f64>, layer: f64) -> Self {
+        let mut covered = vec![0.0; nodes];
+        for ((_, shares), area) in parts.iter().zip(&areas) {
+            shares.iter().for_each(|&(node, share)| covered[node] += share * area);
+        }
+        Self { facets, areas, covered, layer }
+    }
+
+    /// Write the stresses; see [`LineStress::write`] for the layer.
+    fn write<const D: usize>(
+        &self,
+        parts: &Parts,
+        force: &[Vector<D>],
+        density: f64,
+        dt: f64,
+        [stations, before]: [&Stations<D>; 2],
+        Stresses { jump, shear }: Stresses,
+    ) where
+        [f64; D]: Space<D>,
+    {
+        jump.fill(0.0);
+        shear.iter_mut().for_each(|along| along.fill(0.0));
+        for (patch, ((k, shares), area)) in parts.iter().zip(&self.areas).enumerate() {
+            let normal = self.facets.normal(patch, &stations.position);
+            let length = normal.iter().fold(0.0_f64, |length, part| length.hypot(*part));
+            let normal = normal / length.max(f64::MIN_POSITIVE);
+            let gain = |node: usize, axis: usize| stations.velocity[axis][node] - before.velocity[axis][node];
+            let acceleration = Vector::<D>::from_fn(|axis, _| {
+                shares.iter().map(|&(node, share)| share * gain(node, axis)).sum::<f64>() / dt
+            });
+            let stress = (force[k] + acceleration * (self.layer * area)) * density;
+            let across = stress.dot(&normal);
+            let along = stress - normal * across;
+            for &(node, share) in shares {
+                let weight = share / self.covered[node];
+                jump[node] -= weight * across;
+                shear.iter_mut().zip(along.iter()).for_each(|(shear, part)| shear[node] += weight * part);
+            }
+        }
+    }
+}
 
 /// A line divided into equal parts, over which the force on a marker counts as stress.
 pub struct LineStress {

@@ -1,0 +1,266 @@
+//! The coarse flow, and what the grids exchange.
+
+use line_fft::Real;
+
+use super::patch::Patch;
+use super::transfer::{FilterRoom, Transfer};
+use crate::error::Error;
+use crate::filter::Damping;
+use crate::flow::Flow;
+use crate::parameters::{FineBox, Parameters};
+use crate::present::Present;
+use crate::problem::Problem;
+use crate::space::Space;
+use crate::spectral::Transforms;
+use crate::state::{CoarseState, Link, Memory};
+use crate::step::{Sbdf2, Scheme, StartVelocity, Substep};
+
+/// Share of a fine step by which it may end after the coarse flow.
+const SAME_TIME: f64 = 1e-9;
+
+/// The coarse flow at a time, under the fine box.
+pub struct Background<const D: usize> {
+    /// The transfer.
+    pub transfer: Transfer<D>,
+    /// Coefficients of velocity, vorticity, and G.
+    now: Vec<f64>,
+}
+
+impl<const D: usize> Background<D> {
+    /// Return the coefficients of a component: of the velocity, then the vorticity, then G.
+    pub fn component(&self, component: usize) -> &[f64] {
+        &self.now[component * self.transfer.len()..][..self.transfer.len()]
+    }
+}
+
+/// The coarse flow of the whole domain, at a time when the fine flow has not yet reached it.
+pub struct Coarse<R: Real, T, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// What the fine flow sees of it.
+    pub background: Background<D>,
+    /// What is exchanged.
+    pub link: Link,
+    flow: Flow<R, D>,
+    scheme: Sbdf2<R, T, D>,
+    /// The last force with its pressure in the fine box.
+    patch: Patch<R, T, D>,
+    problem: Problem<D>,
+    present: Present<D>,
+    ratio: usize,
+    /// What was before the last step, for a fine step that fails.
+    saved: CoarseState<R, D>,
+    room: FilterRoom,
+}
+
+impl<R: Real, T: Transforms<R, D>, const D: usize> Coarse<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// A uniform flow.
+    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>) -> Self {
+        let (grid, velocity) = (parameters.grid(), parameters.initial_velocity);
+        let transfer = Transfer::new(&grid, fine);
+        let transforms = T::new(&grid, Damping::EachAxis, parameters.threads);
+        let (scheme, flow) = (Sbdf2::new(transforms, grid.len()).with_source(), Flow::uniform(velocity, grid.len()));
+        let numbers = (2 * D + <[f64; D]>::VORTICITY) * transfer.len();
+        let link = Link {
+            ends: [vec![0.0; numbers], vec![0.0; numbers]],
+            impulse: vec![0.0; D * transfer.len()],
+            elapsed: 0.0,
+            force: vec![0.0; D * transfer.len()],
+            ahead: 0.0,
+            length: 0.0,
+            step: 0.0,
+            advection_rate: 0.0,
+        };
+        let Memory::Sbdf2(memory) = scheme.memory() else { unreachable!("it is this scheme") };
+        let mut own = Self {
+            saved: CoarseState { flow: flow.clone(), memory, link: link.clone() },
+            present: Present::without_bodies(&grid, velocity),
+            problem: Problem::new(&parameters.without_bodies()),
+            patch: Patch::new(&grid, fine.cells),
+            ratio: fine.ratio,
+            room: FilterRoom::default(),
+            background: Background { transfer, now: vec![0.0; numbers] },
+            link,
+            flow,
+            scheme,
+        };
+        own.write_both_ends();
+        own
+    }
+
+    /// Start from the divergence-free part of a velocity at a time, s.
+    pub fn start(&mut self, velocity: &StartVelocity<D>, time: f64) {
+        (self.present.time, self.present.step) = (time, 0.0);
+        self.scheme.start(velocity, &mut self.flow, &mut self.present, &mut self.problem);
+        (self.link.elapsed, self.link.ahead, self.link.length) = (0.0, 0.0, 0.0);
+        self.link.impulse.fill(0.0);
+        self.link.force.fill(0.0);
+        self.write_both_ends();
+    }
+
+    fn write_both_ends(&mut self) {
+        self.write_end();
+        let [before, end] = &mut self.link.ends;
+        before.copy_from_slice(end);
+        self.background.now.copy_from_slice(end);
+    }
+
+    /// Write the coefficients of the flow to the last end.
+    fn write_end(&mut self) {
+        let Self { background: Background { transfer, .. }, link, flow, scheme, patch, room, .. } = self;
+        let mut lists = link.ends[1].chunks_exact_mut(transfer.len());
+        let mut next = || lists.next().unwrap_or_default();
+        for field in flow.velocity.iter().chain(&flow.vorticity) {
+            transfer.write_coefficients(|point, _| field[point].to_f64(), room, next());
+        }
+        for axis in 0..D {
+            let g = |point: usize, place: usize| scheme.g(flow, axis, point) - patch.gradient(axis, place);
+            transfer.write_coefficients(g, room, next());
+        }
+    }
+
+    /// Return whether a fine step of `dt` (s) ends after the coarse flow.
+    pub fn is_behind(&self, dt: f64) -> bool {
+        self.link.ahead < dt * (1.0 - SAME_TIME)
+    }
+
+    /// Save everything for [`Self::undo`].
+    pub fn save_for_undo(&mut self) {
+        self.link.step = self.present.step;
+        self.link.advection_rate = self.present.advection_rate;
+        let Self { saved, flow, scheme, link, .. } = self;
+        saved.flow.copy_from(flow);
+        saved.memory.copy_from(scheme.two_step());
+        saved.link.copy_from(link);
+    }
+
+    /// Go back to what was saved.
+    pub fn undo(&mut self) {
+        let Self { saved, flow, scheme, link, present, .. } = self;
+        flow.copy_from(&saved.flow);
+        scheme.two_step_mut().copy_from(&saved.memory);
+        link.copy_from(&saved.link);
+        (present.step, present.advection_rate) = (link.step, link.advection_rate);
+    }
+
+    /// Return a copy of everything that the next step depends on.
+    pub fn state(&self) -> CoarseState<R, D> {
+        let mut state = self.saved.clone();
+        self.save(&mut state);
+        state
+    }
+
+    /// Copy everything that the next step depends on.
+    pub fn save(&self, state: &mut CoarseState<R, D>) {
+        state.flow.copy_from(&self.flow);
+        state.memory.copy_from(self.scheme.two_step());
+        state.link.copy_from(&self.link);
+        (state.link.step, state.link.advection_rate) = (self.present.step, self.present.advection_rate);
+    }
+
+    /// Return whether a state has the same size, and its numbers are finite.
+    pub fn fits(&self, state: &CoarseState<R, D>) -> bool {
+        self.flow.has_shape_of(&state.flow)
+            && self.scheme.two_step().fits(&state.memory)
+            && self.link.has_shape_of(&state.link)
+    }
+
+    /// Go to a state that fits.
+    pub fn restore(&mut self, state: &CoarseState<R, D>) {
+        self.flow.copy_from(&state.flow);
+        self.scheme.two_step_mut().copy_from(&state.memory);
+        self.link.copy_from(&state.link);
+        (self.present.step, self.present.advection_rate) = (state.link.step, state.link.advection_rate);
+    }
+
+    /// Make steps under the force `link.force` until a fine step does not end after the coarse flow.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn reach(&mut self, fine: &Substep<D>) -> Result<(), Error> {
+        while self.is_behind(fine.dt) {
+            self.step(fine)?;
+        }
+        Ok(())
+    }
+
+    /// Take over `link.force` as the given acceleration and on the patch.
+    fn take_force(&mut self) {
+        let Self { background: Background { transfer, .. }, link, scheme, patch, room, .. } = self;
+        patch.clear();
+        let force = link.force.chunks_exact(transfer.len());
+        for (axis, (source, force)) in scheme.source_mut().iter_mut().flatten().zip(force).enumerate() {
+            source.fill(R::zero());
+            transfer.add_to_points(force, room, |point, place, part| {
+                source[point] = R::rounded(source[point].to_f64() + part);
+                patch.add(axis, place, part);
+            });
+        }
+    }
+
+    /// Make a step, as much longer than the fine one as the cells are larger.
+    fn step(&mut self, fine: &Substep<D>) -> Result<(), Error> {
+        self.take_force();
+        self.patch.solve();
+        let Self { link, flow, scheme, problem, present, ratio, .. } = self;
+        let longest = fine.max_cfl / present.advection_rate.max(f64::MIN_POSITIVE);
+        let dt = (*ratio as f64 * fine.dt).min(longest).max(fine.dt);
+        let end = fine.end - fine.dt + link.ahead + dt;
+        let step = Substep { dt, end, stations: &[], displacements: &[], ahead: None, ..*fine };
+        let is_first = present.step == 0.0;
+        scheme.step(&step, flow, present, problem)?;
+        link.ahead += dt;
+        link.length = dt;
+        link.ends.swap(0, 1);
+        self.write_end();
+        if is_first {
+            // Before the first step nothing is known of G: 0 would be late by a step, and the order in time one.
+            let first = (D + <[f64; D]>::VORTICITY) * self.background.transfer.len();
+            let [before, end] = &mut self.link.ends;
+            before[first..].copy_from_slice(&end[first..]);
+        }
+        Ok(())
+    }
+
+    /// Write the coarse flow at a time (s) after the present one to `now`. Beyond its last step it is continued.
+    pub fn look(&mut self, after: f64) {
+        let Link { ends: [from, to], ahead, length, .. } = &self.link;
+        let share = if *length == 0.0 { 1.0 } else { 1.0 - (ahead - after) / length };
+        for (now, (from, to)) in self.background.now.iter_mut().zip(from.iter().zip(to)) {
+            *now = from + share * (to - from);
+        }
+    }
+
+    /// Return an upper bound of the advection rate of the coarse velocity on fine cells, 1/s.
+    pub fn advection_rate(&self, spacing: &[f64; D]) -> f64 {
+        let largest = |of: &[f64]| of.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+        (0..D).map(|axis| largest(self.background.component(axis)) / spacing[axis]).sum()
+    }
+
+    /// Return the flow.
+    pub fn flow(&self) -> &Flow<R, D> {
+        &self.flow
+    }
+
+    /// Write Pi of the coarse flow without the pressure of the last force in the fine box as coefficients, and return the
+    /// mean of that pressure at the end of the box, both in m²/s².
+    pub fn write_pressure(&mut self, coefficients: &mut [f64]) -> f64 {
+        self.take_force();
+        let Self { background: Background { transfer, .. }, flow, scheme, patch, problem, present, room, .. } = self;
+        let (pi, own) = (scheme.total_pressure(flow, present, problem), patch.pressure());
+        let outside = |point: usize, place: usize| pi[point].to_f64() - own[place].to_f64();
+        transfer.write_coefficients(outside, room, coefficients);
+        let plane = &own[..transfer.points_of_patch_plane()];
+        plane.iter().map(|pi| pi.to_f64()).sum::<f64>() / plane.len() as f64
+    }
+
+    /// Return the static pressure over the density of the coarse flow, m²/s².
+    pub fn static_pressure(&mut self) -> Vec<f64> {
+        let Self { flow, scheme, problem, present, .. } = self;
+        scheme.static_pressure(flow, present, problem)
+    }
+}

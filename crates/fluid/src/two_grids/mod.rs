@@ -1,0 +1,534 @@
+//! Two grids: a box of fine cells around the bodies in a domain of coarse cells.
+//!
+//! The coarse flow U fills the domain, the fine flow u the box. With N = omega × u, the coarse G_c = ∇P − nu ∇²U + r U,
+//! cubic splines I from the coarse to the fine points, and their adjoint S,
+//!
+//! ```text
+//! ∂U/∂t + N(U) + G_c = m,      m = S (f + d + W u'/T)                                  on coarse cells
+//! ∂u/∂t + N(u) + ∇p' − nu ∇²u' + r u' = f − d − I (G_c − ∇q),    u' = u − I U, ∇·u' = 0      on fine cells
+//! ```
+//!
+//! f is the force of the bodies. The correction u' is what the coarse cells cannot carry: it is periodic in the box, because
+//! the rim damps it (d) and gives what it takes to U, and it fades, because U receives the same force and, at the rate 1/T
+//! inside the rim (W), what is left. The bodies, their forces and all that is read of the flow see the sum u alone, on which
+//! the exchange has no direct effect: what U receives leaves u' by definition.
+//!
+//! The pressure q of m, were the box periodic, is in G_c and taken off: p' has the pressure of f at once, and only the
+//! difference between the box and the domain comes with the coarse step. Were all of it late, thin bodies would be unstable.
+//!
+//! Both are stepped by [`Sbdf2`], U with steps as much longer as its cells are larger, ahead of u and linear between its
+//! steps, under the mean force of the last of them.
+
+mod coarse;
+mod patch;
+mod transfer;
+
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use line_fft::{Real, Team, nothing, run};
+
+use crate::error::Error;
+use crate::field::Field;
+use crate::flow::Flow;
+use crate::grid::Grid;
+use crate::parameters::{FineBox, Parameters};
+use crate::present::Present;
+use crate::problem::Problem;
+use crate::space::{Space, Vector};
+use crate::spectral::{AdvectionRate, Transforms};
+use crate::state::{Memory, TwoGridsMemory};
+use crate::step::{Differences, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
+
+use coarse::{Background, Coarse};
+use transfer::Rows;
+
+/// Width of the rim in which u' is damped, coarse cells.
+pub const RIM: f64 = 3.0;
+
+/// Width beyond the rim in which W grows from 0 to 1, coarse cells.
+pub const GROWTH: f64 = 2.0;
+
+/// Rate of the damping at the end of the box, times the time in which the fastest flow crosses a coarse cell.
+const DAMPING: f64 = 3.0;
+
+/// Most components of the vorticity.
+const MOST: usize = 3;
+
+/// A fine flow in a coarse one.
+pub struct TwoGrids<R: Real, T, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    fine: Sbdf2<R, T, D>,
+    coarse: Coarse<R, T, D>,
+    spacing: [f64; D],
+    ratio: f64,
+    /// By point along each axis: the share of the damping's rate, W, and what the damping leaves in a step.
+    damping: [Vec<f64>; D],
+    window: [Vec<f64>; D],
+    left: [Vec<f64>; D],
+    /// Restrictions of each fine plane across x, by component.
+    of_planes: Vec<f64>,
+    /// Restriction of what the damping takes in a step, times its length, m/s.
+    damped: Vec<f64>,
+    /// Room of each thread.
+    room: Vec<Room>,
+    /// Coefficients of the coarse pressure.
+    pressure: Vec<f64>,
+}
+
+#[derive(Clone)]
+struct Room {
+    rows: Rows,
+    /// Fine values of a row that are restricted, and the restriction along the last axis.
+    row: Vec<f64>,
+    of_row: Vec<f64>,
+}
+
+impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// A uniform flow on both grids.
+    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>) -> Self {
+        let (grid, coarse) = (fine.grid(&parameters.grid()), Coarse::new(parameters, fine));
+        let transforms = T::new(&grid, parameters.filter.into(), parameters.threads);
+        let threads = transforms.threads();
+        let transfer = &coarse.background.transfer;
+        let by_axis = |value: &dyn Fn(f64) -> f64| std::array::from_fn(|axis| transfer.by_distance(axis, value));
+        let of_plane = transfer.plane_len();
+        let room =
+            Room { rows: transfer.rows(), row: vec![0.0; grid.cells[D - 1]], of_row: vec![0.0; transfer.row_len()] };
+        Self {
+            spacing: grid.spacing,
+            ratio: fine.ratio as f64,
+            damping: by_axis(&|distance| smooth_step(distance / RIM)),
+            window: by_axis(&|distance| 1.0 - smooth_step((distance - RIM) / GROWTH)),
+            left: by_axis(&|_| 1.0),
+            of_planes: vec![0.0; transfer.planes() * D * of_plane],
+            damped: vec![0.0; D * transfer.len()],
+            room: vec![room; threads],
+            pressure: vec![0.0; transfer.len()],
+            fine: Sbdf2::new(transforms, grid.len()).with_source(),
+            coarse,
+        }
+    }
+
+    /// Return the greatest rate at which the fastest flow crosses a coarse cell, 1/s.
+    fn crossing_rate(&self, present: &Present<D>) -> f64 {
+        present.advection_rate / self.ratio
+    }
+
+    /// Find the force on the coarse fluid: the mean since its last step, and W u' over the time of crossing a cell.
+    fn gather(&mut self, team: &Team, flow: &Flow<R, D>, crossing_rate: f64) {
+        self.coarse.look(0.0);
+        let Self { coarse, window, of_planes, room, .. } = self;
+        let background = &coarse.background;
+        let (transfer, of_plane) = (&background.transfer, background.transfer.plane_len());
+        let planes = points_of_planes(&flow.velocity, transfer.planes());
+        let parts = planes.zip(of_planes.chunks_exact_mut(D * of_plane)).enumerate();
+        team.share_with(room, nothing, parts, |(plane, (velocity, of_planes)), Room { rows, row: own, of_row }| {
+            let sums = of_planes.chunks_exact_mut(of_plane);
+            for ((axis, velocity), sums) in velocity.into_iter().enumerate().zip(sums) {
+                sums.fill(0.0);
+                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
+                    let velocity = &velocity[row * values.len()..][..values.len()];
+                    let of_rows = across(window, plane, row);
+                    for (((own, u), coarse), w) in own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1]) {
+                        *own = of_rows * w * (u.to_f64() - coarse);
+                    }
+                    transfer.restrict_row(row, own, 0..0, of_row, sums);
+                });
+            }
+        });
+        let Coarse { background: Background { transfer, .. }, link, .. } = coarse;
+        let (length, mean) = (transfer.len(), if link.elapsed > 0.0 { 1.0 / link.elapsed } else { 0.0 });
+        for axis in 0..D {
+            let (force, impulse) = (&mut link.force[axis * length..][..length], &mut link.impulse[axis * length..]);
+            force.iter_mut().zip(&*impulse).for_each(|(force, impulse)| *force = mean * impulse);
+            let planes = of_planes.chunks_exact(D * of_plane).map(|of| &of[axis * of_plane..][..of_plane]);
+            transfer.restrict_planes(planes, crossing_rate, force);
+        }
+        link.impulse.fill(0.0);
+        link.elapsed = 0.0;
+    }
+
+    /// Write −I G_c to the given acceleration of the fine flow.
+    fn write_source(&mut self, team: &Team) {
+        let Self { fine, coarse, room, .. } = self;
+        let Some(source) = fine.source_mut() else { return };
+        let background = &coarse.background;
+        let (transfer, first) = (&background.transfer, D + <[f64; D]>::VORTICITY);
+        let parts = points_of_planes_mut(source, transfer.planes()).enumerate();
+        team.share_with(room, nothing, parts, |(plane, source), Room { rows, .. }| {
+            for (axis, source) in source.into_iter().enumerate() {
+                transfer.interpolate(background.component(first + axis), plane, rows, |row, values| {
+                    let source = &mut source[row * values.len()..][..values.len()];
+                    source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
+                });
+            }
+        });
+    }
+
+    /// Take I U off `w` = u* + tau G, damp what is left of u* in the rim, and restrict what that takes in a step of `dt`
+    /// with c_0 (1/s).
+    fn take_off(&mut self, team: &Team, flow: &Flow<R, D>, c_0: f64, dt: f64, crossing_rate: f64) {
+        for (left, share) in self.left.iter_mut().flatten().zip(self.damping.iter().flatten()) {
+            *left = 1.0 / (1.0 + DAMPING * crossing_rate * share / c_0);
+        }
+        let Self { fine, coarse, left, of_planes, damped, room, .. } = self;
+        let background = &coarse.background;
+        let (transfer, of_plane) = (&background.transfer, background.transfer.plane_len());
+        let (w, last, inv_tau) = fine.w_and_last();
+        let (share, points) = (inv_tau / c_0, w[0].len() / transfer.planes());
+        let planes = points_of_planes_mut(w, transfer.planes());
+        let parts = planes.zip(of_planes.chunks_exact_mut(D * of_plane)).enumerate();
+        team.share_with(room, nothing, parts, |(plane, (w, of_planes)), Room { rows, row: own, of_row }| {
+            let sums = of_planes.chunks_exact_mut(of_plane);
+            for ((axis, w), sums) in w.into_iter().enumerate().zip(sums) {
+                sums.fill(0.0);
+                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
+                    let first = row * values.len();
+                    let w = &mut w[first..][..values.len()];
+                    let known = [&last[axis], &flow.velocity[axis]].map(|of| &of[plane * points + first..][..w.len()]);
+                    let of_rows = across(left, plane, row);
+                    for (k, (own, w)) in own.iter_mut().zip(w).enumerate() {
+                        let (correction, left) = (w.to_f64() - values[k], of_rows * left[D - 1][k]);
+                        *own = 0.0;
+                        if left < 1.0 {
+                            let tau_g = share * (known[0][k].to_f64() - known[1][k].to_f64());
+                            *own = (1.0 - left) * (correction - tau_g);
+                        }
+                        *w = R::rounded(correction - *own);
+                    }
+                    let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
+                    transfer.restrict_row(row, own, nothing, of_row, sums);
+                });
+            }
+        });
+        damped.fill(0.0);
+        for (axis, damped) in damped.chunks_exact_mut(transfer.len()).enumerate() {
+            let planes = of_planes.chunks_exact(D * of_plane).map(|of| &of[axis * of_plane..][..of_plane]);
+            transfer.restrict_planes(planes, c_0 * dt, damped);
+        }
+    }
+
+    /// Add the coarse flow to the new fine one and to `w`, and return the advection rate of the sum, 1/s.
+    fn add_coarse(&mut self, team: &Team) -> f64 {
+        let Self { fine, coarse, room, spacing, .. } = self;
+        let background = &coarse.background;
+        let (transfer, (w, next)) = (&background.transfer, fine.solved());
+        let planes = transfer.planes();
+        let inv_spacing = spacing.map(|spacing| R::rounded(1.0 / spacing));
+        let largest = AtomicU64::new(0);
+        let points = next.velocity[0].len() / planes;
+        let mut vorticity = next.vorticity.iter_mut().map(|of| of.chunks_exact_mut(points));
+        let mut vorticity: [_; MOST] = std::array::from_fn(|_| vorticity.next());
+        let mut of_plane = || vorticity.each_mut().map(|planes| planes.as_mut().and_then(Iterator::next));
+        let parts = points_of_planes_mut(w, planes).zip(points_of_planes_mut(&mut next.velocity, planes));
+        let parts = parts.map(|(w, velocity)| (w, velocity, of_plane())).enumerate();
+        team.share_with(room, nothing, parts, |(plane, (w, mut velocity, vorticity)), Room { rows, .. }| {
+            for (axis, (w, u)) in w.into_iter().zip(velocity.iter_mut()).enumerate() {
+                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
+                    let points = row * values.len()..(row + 1) * values.len();
+                    let pairs = w[points.clone()].iter_mut().zip(&mut u[points]);
+                    for ((w, u), coarse) in pairs.zip(values) {
+                        (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
+                    }
+                });
+            }
+            for (component, omega) in vorticity.into_iter().flatten().enumerate() {
+                transfer.interpolate(background.component(D + component), plane, rows, |row, values| {
+                    let omega = &mut omega[row * values.len()..][..values.len()];
+                    let pairs = omega.iter_mut().zip(values);
+                    pairs.for_each(|(omega, coarse)| *omega = R::rounded(omega.to_f64() + coarse));
+                });
+            }
+            let mut here = R::zero();
+            run(AdvectionRate { inv_spacing, velocity: velocity.each_ref().map(|u| &**u), largest: &mut here });
+            largest.fetch_max(here.to_f64().to_bits(), Ordering::Relaxed);
+        });
+        f64::from_bits(largest.into_inner())
+    }
+
+    /// Refuse bodies that reach into the rim or where W is not 1.
+    fn check_places(&self, time: f64, problem: &Problem<D>) -> Result<(), Error> {
+        let (grid, mut outside) = (&problem.grid, None);
+        let mut check = |point: usize| {
+            let mut rest = point;
+            for axis in (0..D).rev() {
+                if self.window[axis][rest % grid.cells[axis]] < 1.0 {
+                    outside = Some(point);
+                }
+                rest /= grid.cells[axis];
+            }
+        };
+        problem.thin.for_each_force(grid, |point, _| check(point));
+        problem.bodies.cells().for_each(|cell| check(cell.index));
+        let place = |point: usize| grid.point(point).to_vec();
+        outside.map_or(Ok(()), |point| Err(Error::Rim { time, place: place(point), rim: RIM + GROWTH }))
+    }
+
+    /// Add the forces on the fluid in the step to the impulse.
+    fn add_forces(&mut self, scheme: &Differences, dt: f64, flow: &Flow<R, D>, problem: &Problem<D>) {
+        let Self { fine, coarse: Coarse { background: Background { transfer, .. }, link, .. }, damped, .. } = self;
+        link.impulse.iter_mut().zip(&*damped).for_each(|(impulse, damped)| *impulse += damped);
+        let mut add = |point: usize, force: Vector<D>| {
+            transfer.restrict_point(point, (force * dt).into(), &mut link.impulse);
+        };
+        problem.thin.for_each_force(&problem.grid, &mut add);
+        let drag = fine.drag(scheme, flow);
+        problem.bodies.cells().for_each(|cell| add(cell.index, -drag(cell)));
+        link.elapsed += dt;
+    }
+
+    /// Make the step of the fine flow, which the coarse one has reached.
+    fn step_fine(
+        &mut self,
+        step: &Substep<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    ) -> Result<(), Error> {
+        let crossing_rate = self.crossing_rate(present);
+        self.coarse.look(step.dt);
+        self.write_source(step.team);
+        let scheme = self.fine.solve_in_space(step, flow, present, problem)?;
+        self.check_places(step.end, problem)?;
+        self.take_off(step.team, flow, scheme.c[0], step.dt, crossing_rate);
+        // The flow before the last one is lost only if the sum is slow enough.
+        let limit = step.limit() - self.coarse.advection_rate(&self.spacing);
+        let advection_rate = self.fine.solve_in_fourier_space(step, &scheme, None, limit, present, problem);
+        let is_slow = advection_rate <= limit;
+        if !is_slow {
+            return step.check(advection_rate.max(step.limit() * (1.0 + f64::EPSILON)));
+        }
+        let advection_rate = self.add_coarse(step.team);
+        self.add_forces(&scheme, step.dt, flow, problem);
+        self.coarse.link.ahead -= step.dt;
+        self.fine.accept(step, &scheme, flow, present, problem, advection_rate);
+        Ok(())
+    }
+}
+
+impl<R: Real, T: Transforms<R, D>, const D: usize> Scheme<R, D> for TwoGrids<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
+    fn threads(&self) -> usize {
+        self.room.len()
+    }
+
+    fn memory(&self) -> Memory<R, D> {
+        let (fine, coarse) = (self.fine.two_step().clone(), self.coarse.state());
+        Memory::TwoGrids(Box::new(TwoGridsMemory { fine, coarse }))
+    }
+
+    fn fits(&self, memory: &Memory<R, D>) -> bool {
+        matches!(memory, Memory::TwoGrids(memory)
+            if self.fine.two_step().fits(&memory.fine) && self.coarse.fits(&memory.coarse))
+    }
+
+    fn save(&self, memory: &mut Memory<R, D>) {
+        if let Memory::TwoGrids(memory) = memory {
+            memory.fine.copy_from(self.fine.two_step());
+            self.coarse.save(&mut memory.coarse);
+        }
+    }
+
+    fn restore(&mut self, memory: &Memory<R, D>) {
+        if let Memory::TwoGrids(memory) = memory {
+            self.fine.two_step_mut().copy_from(&memory.fine);
+            self.coarse.restore(&memory.coarse);
+        }
+    }
+
+    fn start(
+        &mut self,
+        velocity: &StartVelocity<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    ) {
+        let team = &Team::alone();
+        self.coarse.start(velocity, present.time);
+        let background: [_; D] = std::array::from_fn(|axis| {
+            let mut all = vec![];
+            self.interpolate(axis, |values| all.extend_from_slice(values));
+            all
+        });
+        let correction = |grid: &Grid<D>, point: usize| {
+            let u = velocity(grid, point);
+            std::array::from_fn(|axis| u[axis] - background[axis][point])
+        };
+        self.fine.start(&correction, flow, present, problem);
+        // The flow that was started, and its w, are those of the correction.
+        std::mem::swap(flow, self.fine.solved().1);
+        present.advection_rate = self.add_coarse(team);
+        std::mem::swap(flow, self.fine.solved().1);
+    }
+
+    fn step(
+        &mut self,
+        step: &Substep<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    ) -> Result<(), Error> {
+        if !self.coarse.is_behind(step.dt) {
+            return self.step_fine(step, flow, present, problem);
+        }
+        self.coarse.save_for_undo();
+        self.gather(step.team, flow, self.crossing_rate(present));
+        let mut made = self.coarse.reach(step);
+        if made.is_ok() {
+            made = self.step_fine(step, flow, present, problem);
+        }
+        if made.is_err() {
+            self.coarse.undo();
+        }
+        made
+    }
+
+    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        self.coarse.look(present.step);
+        self.write_source(&Team::alone());
+        self.fine.predict_loads(flow, present, problem);
+    }
+
+    fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R] {
+        self.coarse.look(0.0);
+        let of_force = self.coarse.write_pressure(&mut self.pressure);
+        let Self { fine, coarse, room, pressure, .. } = self;
+        let (background, rows) = (&coarse.background, &mut room[0].rows);
+        let transfer = &background.transfer;
+        let pi = fine.pressure_without(present.cfl(present.step), |w| {
+            take_off_all(background, w, rows);
+        });
+        // The pressure of the correction, less that of the force which the coarse flow received, is 0 at the end of the box.
+        let plane = problem.grid.len() / transfer.planes();
+        let at_end = pi[..plane].iter().map(|pi| pi.to_f64()).sum::<f64>() / plane as f64 - of_force;
+        for (plane, pi) in pi.chunks_exact_mut(plane).enumerate() {
+            transfer.interpolate(pressure, plane, rows, |row, values| {
+                let pi = &mut pi[row * values.len()..][..values.len()];
+                pi.iter_mut()
+                    .zip(values)
+                    .for_each(|(pi, of_coarse)| *pi = R::rounded(pi.to_f64() - at_end + of_coarse));
+            });
+        }
+        pi
+    }
+
+    fn static_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+        self.total_pressure(flow, present, problem);
+        let Self { fine, coarse, .. } = self;
+        let pi = fine.source_mut().iter().flatten().next().map_or(&[][..], |pi| pi);
+        let mut pressure = coarse.static_pressure();
+        let background = &coarse.background;
+        background.transfer.for_each_in_box(|point, own| pressure[point] = static_pressure(pi, flow, own));
+        pressure
+    }
+
+    fn for_each_in_domain<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        mut visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        let coarse = self.coarse.flow();
+        self.coarse.background.transfer.for_each_of(points, |point, own| match own {
+            Some(own) => visit(flow, own),
+            None => visit(coarse, point),
+        });
+    }
+
+    fn points_of_domain(&self, _: &Flow<R, D>) -> usize {
+        self.coarse.flow().velocity[0].len()
+    }
+
+    fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {
+        let mut field = R::field_to_f64(of(self.coarse.flow())).into_owned();
+        let own = of(flow);
+        let transfer = &self.coarse.background.transfer;
+        transfer.for_each_in_box(|point, fine| field[point] = own[fine].to_f64());
+        field.into()
+    }
+
+    fn divergence(&mut self, velocity: &[Field<R>; D]) -> &[R] {
+        self.coarse.look(0.0);
+        let Self { fine, coarse, room, .. } = self;
+        fine.divergence_without(velocity, |w| {
+            take_off_all(&coarse.background, w, &mut room[0].rows);
+        })
+    }
+}
+
+impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Call `visit` with all rows of a component of the coarse flow on fine cells.
+    fn interpolate(&mut self, component: usize, mut visit: impl FnMut(&[f64])) {
+        let Self { coarse: Coarse { background, .. }, room, .. } = self;
+        for plane in 0..background.transfer.planes() {
+            let rows = &mut room[0].rows;
+            background.transfer.interpolate(background.component(component), plane, rows, |_, values| visit(values));
+        }
+    }
+}
+
+/// Take the coarse velocity off `w`.
+fn take_off_all<R: Real, const D: usize>(background: &Background<D>, w: &mut [Field<R>; D], rows: &mut Rows) {
+    let transfer = &background.transfer;
+    for (plane, w) in points_of_planes_mut(w, transfer.planes()).enumerate() {
+        for (axis, w) in w.into_iter().enumerate() {
+            transfer.interpolate(background.component(axis), plane, rows, |row, values| {
+                let w = &mut w[row * values.len()..][..values.len()];
+                w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
+            });
+        }
+    }
+}
+
+/// Return the product of a row's numbers along all axes but the last.
+fn across<const D: usize>(along: &[Vec<f64>; D], plane: usize, row: usize) -> f64 {
+    if D == 2 { along[0][plane] } else { along[0][plane] * along[1][row] }
+}
+
+/// Return the points of each plane across x, by component.
+fn points_of_planes<R, const D: usize>(fields: &[Field<R>; D], planes: usize) -> impl Iterator<Item = [&[R]; D]> {
+    let points = fields_len(fields) / planes;
+    (0..planes).map(move |plane| fields.each_ref().map(|field| &field[plane * points..][..points]))
+}
+
+/// Return the same, to be changed.
+fn points_of_planes_mut<R, const D: usize>(
+    fields: &mut [Field<R>; D],
+    planes: usize,
+) -> impl Iterator<Item = [&mut [R]; D]> {
+    let points = fields_len(fields) / planes;
+    let mut parts = fields.each_mut().map(|field| field.chunks_exact_mut(points));
+    (0..planes).map(move |_| parts.each_mut().map(|parts| parts.next().unwrap_or_default()))
+}
+
+fn fields_len<R, const D: usize>(fields: &[Field<R>; D]) -> usize {
+    fields[0].len()
+}
+
+/// Return 1 at 0 and below, 0 at 1 and above, and a cubic between.
+fn smooth_step(x: f64) -> f64 {
+    let s = 1.0 - x.clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_know_the_width_of_the_rim() {
+        assert_eq!(RIM + GROWTH, scene::FINE_BOX_RIM_CELLS);
+    }
+}

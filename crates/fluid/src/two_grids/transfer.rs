@@ -1,0 +1,491 @@
+//! Transfer between the grids: cubic splines through the values at the coarse points, and their adjoint.
+//!
+//! Interpolation I is a sum of cubic B-splines whose coefficients come from the values at the coarse points by a symmetric
+//! filter. Restriction S is the adjoint of the sum, over the number of fine cells in a coarse one: it keeps sums exactly,
+//! and smooths. Both are products over the axes.
+
+use std::array::from_fn;
+use std::ops::Range;
+
+use crate::grid::Grid;
+use crate::kernel::cubic;
+use crate::parameters::FineBox;
+
+/// Coefficients beyond each end of the fine box that its points need: one before and two after.
+const MARGIN: usize = 3;
+
+/// Points on each side of a coefficient from which it is found.
+const REACH: usize = 5;
+
+/// The coarse cells under the fine box, and the transfer on them.
+pub struct Transfer<const D: usize> {
+    ratio: usize,
+    /// Coarse cells across the fine box.
+    cells: [usize; D],
+    /// Coarse points along each axis, in the first period, from [`REACH`] points before the first coefficient on.
+    places: [Vec<usize>; D],
+    /// Place on the patch of each of them, see [`Transfer::in_patch`].
+    on_patch: Vec<u32>,
+    /// Coarse points along each axis.
+    coarse: [usize; D],
+    /// Weights of four coefficients at each of the fine points of a coarse cell.
+    weights: Vec<[f64; 4]>,
+    /// Filter from values to coefficients, from its middle on.
+    filter: [f64; REACH + 1],
+}
+
+/// Room for the coefficients of a plane and of a row, and for the fine values of a row.
+#[derive(Clone, Default)]
+pub struct Rows {
+    plane: Vec<f64>,
+    row: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// Room for values on the way to coefficients.
+#[derive(Default)]
+pub struct FilterRoom([Vec<f64>; 2]);
+
+impl<const D: usize> Transfer<D> {
+    /// The transfer between a coarse grid and a fine box in it.
+    pub fn new(coarse: &Grid<D>, fine: &FineBox<D>) -> Self {
+        let place = |axis: usize, i: usize| coarse.wrap(axis, (fine.first[axis] + i) as i64 - (1 + REACH) as i64);
+        let length = |axis: usize| fine.cells[axis] + MARGIN + 2 * REACH;
+        let mut own = Self {
+            ratio: fine.ratio,
+            cells: fine.cells,
+            places: from_fn(|axis| (0..length(axis)).map(|i| place(axis, i)).collect()),
+            coarse: coarse.cells,
+            weights: (0..fine.ratio).map(|p| cubic(p as f64 / fine.ratio as f64)).collect(),
+            filter: low_pass(),
+            on_patch: vec![],
+        };
+        let mut on_patch = vec![];
+        own.for_each_place(0, 0, &mut |point| on_patch.push(own.in_patch(point) as u32));
+        own.on_patch = on_patch;
+        own
+    }
+
+    /// Return the number of coefficients along each axis.
+    fn extent(&self) -> [usize; D] {
+        self.cells.map(|cells| cells + MARGIN)
+    }
+
+    /// Return the number of coefficients of a field.
+    pub fn len(&self) -> usize {
+        self.extent().iter().product()
+    }
+
+    /// Return the number of coefficients of a plane across x.
+    pub fn plane_len(&self) -> usize {
+        self.extent()[1..].iter().product()
+    }
+
+    /// Return the number of coefficients of a row.
+    pub fn row_len(&self) -> usize {
+        self.extent()[D - 1]
+    }
+
+    /// Return the number of fine planes across x.
+    pub fn planes(&self) -> usize {
+        self.cells[0] * self.ratio
+    }
+
+    /// Return room for rows.
+    pub fn rows(&self) -> Rows {
+        let last = D - 1;
+        Rows {
+            plane: vec![0.0; self.plane_len()],
+            row: vec![0.0; self.extent()[last]],
+            values: vec![0.0; self.cells[last] * self.ratio],
+        }
+    }
+
+    /// Write the coefficients of a field that is given at a coarse point and its place on the patch, see
+    /// [`Self::in_patch`].
+    pub fn write_coefficients(
+        &self,
+        at: impl Fn(usize, usize) -> f64,
+        FilterRoom([from, to]): &mut FilterRoom,
+        coefficients: &mut [f64],
+    ) {
+        let mut sizes: [usize; D] = self.places.each_ref().map(Vec::len);
+        from.clear();
+        let mut on_patch = self.on_patch.iter();
+        let mut next = || on_patch.next().map_or(0, |place| *place as usize);
+        self.for_each_place(0, 0, &mut |index| from.push(at(index, next())));
+        for axis in 0..D {
+            let inner: usize = sizes[axis + 1..].iter().product();
+            let (length, left) = (sizes[axis], sizes[axis] - 2 * REACH);
+            let outer: usize = sizes[..axis].iter().product();
+            to.clear();
+            to.resize(outer * left * inner, 0.0);
+            for (from, to) in from.chunks_exact(length * inner).zip(to.chunks_exact_mut(left * inner)) {
+                for (i, to) in to.chunks_exact_mut(inner).enumerate() {
+                    let line = |k: usize| &from[k * inner..][..inner];
+                    to.iter_mut().zip(line(i + REACH)).for_each(|(to, at)| *to = self.filter[0] * at);
+                    for (k, weight) in self.filter.iter().enumerate().skip(1) {
+                        let pairs = line(i + REACH - k).iter().zip(line(i + REACH + k));
+                        to.iter_mut().zip(pairs).for_each(|(to, (a, b))| *to += weight * (a + b));
+                    }
+                }
+            }
+            sizes[axis] = left;
+            std::mem::swap(from, to);
+        }
+        coefficients.copy_from_slice(from);
+    }
+
+    /// Write the adjoint of [`Self::write_coefficients`]: call `add` with each coarse point, its place on the patch, and
+    /// what it receives.
+    pub fn add_to_points(
+        &self,
+        sums: &[f64],
+        FilterRoom([from, to]): &mut FilterRoom,
+        mut add: impl FnMut(usize, usize, f64),
+    ) {
+        let mut sizes = self.extent();
+        from.clear();
+        from.extend_from_slice(sums);
+        for axis in 0..D {
+            let inner: usize = sizes[axis + 1..].iter().product();
+            let (length, more) = (sizes[axis], sizes[axis] + 2 * REACH);
+            let outer: usize = sizes[..axis].iter().product();
+            to.clear();
+            to.resize(outer * more * inner, 0.0);
+            for (from, to) in from.chunks_exact(length * inner).zip(to.chunks_exact_mut(more * inner)) {
+                for (i, from) in from.chunks_exact(inner).enumerate() {
+                    for offset in 0..=2 * REACH {
+                        let weight = self.filter[offset.abs_diff(REACH)];
+                        let to = &mut to[(i + offset) * inner..][..inner];
+                        to.iter_mut().zip(from).for_each(|(to, from)| *to += weight * from);
+                    }
+                }
+            }
+            sizes[axis] = more;
+            std::mem::swap(from, to);
+        }
+        let mut values = from.iter().zip(&self.on_patch);
+        self.for_each_place(0, 0, &mut |point| {
+            if let Some((value, place)) = values.next() {
+                add(point, *place as usize, *value);
+            }
+        });
+    }
+
+    /// Visit the coarse points of `places` from `axis` on; `index` is that of the axes before.
+    fn for_each_place(&self, axis: usize, index: usize, visit: &mut impl FnMut(usize)) {
+        for place in &self.places[axis] {
+            let index = index * self.coarse[axis] + place;
+            if axis + 1 == D { visit(index) } else { self.for_each_place(axis + 1, index, visit) }
+        }
+    }
+
+    /// Return the point of the periodic patch of coarse cells under the fine box at the place of a coarse one.
+    fn in_patch(&self, point: usize) -> usize {
+        let (mut rest, mut own, mut stride) = (point, 0, 1);
+        for axis in (0..D).rev() {
+            let from_first = rest % self.coarse[axis] + self.coarse[axis] - self.places[axis][1 + REACH];
+            let nearest = from_first % self.coarse[axis];
+            // A point before the first one is nearer to it than one period.
+            let before = self.coarse[axis] - nearest;
+            own += stride * if before <= REACH + 1 { self.cells[axis] - before } else { nearest % self.cells[axis] };
+            stride *= self.cells[axis];
+            rest /= self.coarse[axis];
+        }
+        own
+    }
+
+    /// Return the number of points of a plane of the patch across x.
+    pub fn points_of_patch_plane(&self) -> usize {
+        self.cells[1..].iter().product()
+    }
+
+    /// Return the fine point at the place of a coarse one, if it is in the fine box.
+    pub fn in_box(&self, point: usize) -> Option<usize> {
+        let (mut rest, mut own, mut stride) = (point, 0, 1);
+        for axis in (0..D).rev() {
+            let first = self.places[axis][1 + REACH];
+            let from_first = (rest % self.coarse[axis]).wrapping_sub(first);
+            if from_first >= self.cells[axis] {
+                return None;
+            }
+            own += from_first * self.ratio * stride;
+            stride *= self.cells[axis] * self.ratio;
+            rest /= self.coarse[axis];
+        }
+        Some(own)
+    }
+
+    /// Call `visit` with some coarse points, each with the fine one at its place if it is in the fine box.
+    pub fn for_each_of(&self, points: Range<usize>, mut visit: impl FnMut(usize, Option<usize>)) {
+        let (length, first) = (self.coarse[D - 1], self.places[D - 1][1 + REACH]);
+        for row in points.start / length..points.end.div_ceil(length) {
+            let start = row * length;
+            let own = self.in_box(start + first);
+            for point in start.max(points.start)..(start + length).min(points.end) {
+                let from_first = (point - start).wrapping_sub(first);
+                let inside = own.filter(|_| from_first < self.cells[D - 1]);
+                visit(point, inside.map(|own| own + from_first * self.ratio));
+            }
+        }
+    }
+
+    /// Call `visit` with each coarse point in the fine box, and the fine one at its place.
+    pub fn for_each_in_box(&self, mut visit: impl FnMut(usize, usize)) {
+        let points = self.coarse.iter().product();
+        self.for_each_of(0..points, |point, own| own.into_iter().for_each(|own| visit(point, own)));
+    }
+
+    /// Call `visit(row, values)` with each row of a fine plane across x: its number, and the interpolated values.
+    pub fn interpolate(
+        &self,
+        coefficients: &[f64],
+        plane: usize,
+        Rows { plane: of_plane, row: of_row, values }: &mut Rows,
+        mut visit: impl FnMut(usize, &[f64]),
+    ) {
+        let extent = self.extent();
+        let (first, weights) = self.weights_at(plane);
+        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
+        if D == 2 {
+            self.expand(of_plane, values);
+            return visit(0, values);
+        }
+        for row in 0..self.cells[1] * self.ratio {
+            let (first, weights) = self.weights_at(row);
+            combine(&of_plane[first * extent[D - 1]..], &weights, of_row);
+            self.expand(of_row, values);
+            visit(row, values);
+        }
+    }
+
+    /// Write the fine values of a row with such coefficients.
+    fn expand(&self, coefficients: &[f64], values: &mut [f64]) {
+        if self.ratio == 4 {
+            let columns: [[f64; 4]; 4] = from_fn(|k| from_fn(|p| self.weights[p][k]));
+            for (values, c) in values.as_chunks_mut::<4>().0.iter_mut().zip(coefficients.windows(4)) {
+                *values = from_fn(|p| {
+                    columns[0][p] * c[0] + columns[1][p] * c[1] + columns[2][p] * c[2] + columns[3][p] * c[3]
+                });
+            }
+            return;
+        }
+        for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
+            for (value, w) in values.iter_mut().zip(&self.weights) {
+                *value = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
+            }
+        }
+    }
+
+    /// Return the first coefficient of a fine point along an axis, and the weights from there on.
+    fn weights_at(&self, point: usize) -> (usize, [f64; 4]) {
+        (point / self.ratio, self.weights[point % self.ratio])
+    }
+
+    /// Return the coarse cells along the last axis that lie between rims of a width in cells.
+    pub fn between_rims(&self, rim: f64) -> Range<usize> {
+        let rim = rim.ceil() as usize;
+        rim..self.cells[D - 1] - rim
+    }
+
+    /// Add the restriction of a row of a fine plane along the axes after x to the sums of that plane. In some coarse cells
+    /// the values are nothing.
+    pub fn restrict_row(
+        &self,
+        row: usize,
+        values: &[f64],
+        nothing: Range<usize>,
+        of_row: &mut [f64],
+        of_plane: &mut [f64],
+    ) {
+        let last = self.extent()[D - 1];
+        if D == 2 {
+            return self.gather(values, nothing, of_plane);
+        }
+        of_row.fill(0.0);
+        self.gather(values, nothing, of_row);
+        let (first, weights) = self.weights_at(row);
+        for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
+            of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
+        }
+    }
+
+    fn gather(&self, values: &[f64], nothing: Range<usize>, coefficients: &mut [f64]) {
+        let cells = (0..nothing.start).chain(nothing.end..self.cells[D - 1]);
+        for cell in cells {
+            let values = &values[cell * self.ratio..][..self.ratio];
+            let mut sums = [0.0; 4];
+            for (value, w) in values.iter().zip(&self.weights) {
+                sums = from_fn(|k| sums[k] + w[k] * value);
+            }
+            (0..4).for_each(|k| coefficients[cell + k] += sums[k]);
+        }
+    }
+
+    /// Add the restriction of all planes, whose own sums are `of_planes`, to `sums`.
+    pub fn restrict_planes<'a>(&self, of_planes: impl Iterator<Item = &'a [f64]>, factor: f64, sums: &mut [f64]) {
+        let (length, factor) = (self.plane_len(), factor / self.fine_cells());
+        for (plane, of_plane) in of_planes.enumerate() {
+            let (first, weights) = self.weights_at(plane);
+            for (sums, weight) in sums[first * length..].chunks_exact_mut(length).zip(weights) {
+                sums.iter_mut().zip(of_plane).for_each(|(sum, own)| *sum += factor * weight * own);
+            }
+        }
+    }
+
+    /// Add the restriction of `value` at one fine point.
+    pub fn restrict_point(&self, index: usize, value: [f64; D], sums: &mut [f64]) {
+        let (extent, field, mut rest) = (self.extent(), self.len(), index);
+        let mut along = [(0, [0.0; 4]); D];
+        for axis in (0..D).rev() {
+            let points = self.cells[axis] * self.ratio;
+            along[axis] = self.weights_at(rest % points);
+            rest /= points;
+        }
+        let scale = 1.0 / self.fine_cells();
+        for corner in 0..4_usize.pow(D as u32) {
+            let (mut place, mut weight, mut rest) = (0, scale, corner);
+            for axis in 0..D {
+                place = place * extent[axis] + along[axis].0 + rest % 4;
+                weight *= along[axis].1[rest % 4];
+                rest /= 4;
+            }
+            (0..D).for_each(|axis| sums[axis * field + place] += weight * value[axis]);
+        }
+    }
+
+    /// Return the number of fine cells in a coarse one.
+    fn fine_cells(&self) -> f64 {
+        (self.ratio as f64).powi(D as i32)
+    }
+
+    /// Return a number for each fine point along an axis, by its distance from the nearest end of the fine box in coarse
+    /// cells.
+    pub fn by_distance(&self, axis: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
+        let points = self.cells[axis] * self.ratio;
+        (0..points).map(|i| value(i.min(points - i) as f64 / self.ratio as f64)).collect()
+    }
+}
+
+/// Write the sum of four neighbouring planes or rows with weights.
+fn combine(coefficients: &[f64], weights: &[f64; 4], sum: &mut [f64]) {
+    let length = sum.len();
+    let part = |k: usize| &coefficients[k * length..][..length];
+    let [a, b, c, d] = [0, 1, 2, 3].map(part);
+    for (i, sum) in sum.iter_mut().enumerate() {
+        *sum = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
+    }
+}
+
+/// Return the filter from values to coefficients, from its middle on. With y = sin²(k h/2) of a wave along an axis, the
+/// B-splines leave 1 − ⅔ y of it at the points. The filter is the inverse of that to the fifth order in y, and leaves
+/// nothing of the highest wave, y = 1.
+fn low_pass() -> [f64; REACH + 1] {
+    let (mut filter, mut power, mut share, mut rest) = ([0.0; REACH + 1], [0.0; REACH + 1], 1.0, 0.0);
+    power[0] = 1.0;
+    for order in 0..=REACH {
+        let factor = if order == REACH { -rest } else { share };
+        (0..=REACH).for_each(|k| filter[k] += factor * power[k]);
+        (rest, share) = (rest + share, share * 2.0 / 3.0);
+        // Times y: half of each wave less a quarter of its neighbours.
+        let at = |k: usize| if k <= REACH { power[k] } else { 0.0 };
+        power = from_fn(|k| 0.5 * at(k) - 0.25 * (at(k.abs_diff(1)) + at(k + 1)));
+    }
+    filter
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Return repeatable numbers from −1 to 1.
+    fn numbers(count: usize) -> Vec<f64> {
+        (0..count).map(|i| (12.9898 * (i + 1) as f64).sin()).collect()
+    }
+
+    fn between<const D: usize>() -> (Grid<D>, Grid<D>, Transfer<D>) {
+        let coarse = Grid::new([[0.0, 2.0]; D], std::array::from_fn(|axis| 20 + 2 * axis));
+        let fine = FineBox { first: [4; D], cells: std::array::from_fn(|axis| 10 + axis), ratio: 3 };
+        (coarse, fine.grid(&coarse), Transfer::new(&coarse, &fine))
+    }
+
+    fn interpolated<const D: usize>(transfer: &Transfer<D>, field: &[f64]) -> Vec<f64> {
+        let (mut coefficients, mut all, mut rows) = (vec![0.0; transfer.len()], vec![], transfer.rows());
+        transfer.write_coefficients(|point, _| field[point], &mut FilterRoom::default(), &mut coefficients);
+        for plane in 0..transfer.planes() {
+            transfer.interpolate(&coefficients, plane, &mut rows, |_, values| all.extend_from_slice(values));
+        }
+        all
+    }
+
+    fn restricted<const D: usize>(transfer: &Transfer<D>, points: usize, field: &[f64]) -> Vec<f64> {
+        let (mut sums, mut all) = (vec![0.0; transfer.len()], vec![0.0; points]);
+        let row = transfer.cells[D - 1] * transfer.ratio;
+        let of_planes = field.chunks_exact(field.len() / transfer.planes()).map(|plane| {
+            let (mut of_plane, mut of_row) = (vec![0.0; transfer.plane_len()], vec![0.0; transfer.plane_len()]);
+            let rows = plane.chunks_exact(row).enumerate();
+            let last = transfer.extent()[D - 1];
+            rows.for_each(|(k, row)| transfer.restrict_row(k, row, 0..0, &mut of_row[..last], &mut of_plane));
+            of_plane
+        });
+        let of_planes: Vec<_> = of_planes.collect();
+        transfer.restrict_planes(of_planes.iter().map(|of| &of[..]), 1.0, &mut sums);
+        transfer.add_to_points(&sums, &mut FilterRoom::default(), |point, _, part| all[point] += part);
+        all
+    }
+
+    fn restriction_is_the_adjoint_of_interpolation<const D: usize>() {
+        let (coarse, fine, transfer) = between::<D>();
+        let (a, b) = (numbers(coarse.len()), numbers(fine.len()));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let on_fine = dot(&interpolated(&transfer, &a), &b) / 3_f64.powi(D as i32);
+        let on_coarse = dot(&a, &restricted(&transfer, coarse.len(), &b));
+        assert!((on_fine - on_coarse).abs() < 1e-12 * b.len() as f64, "{on_fine} on fine cells, {on_coarse} on coarse");
+    }
+
+    #[test]
+    fn restriction_is_the_adjoint_of_interpolation_in_the_plane_and_in_space() {
+        restriction_is_the_adjoint_of_interpolation::<2>();
+        restriction_is_the_adjoint_of_interpolation::<3>();
+    }
+
+    fn coarse_cells_receive_the_momentum_of_fine_ones<const D: usize>() {
+        let (coarse, fine, transfer) = between::<D>();
+        let field = numbers(fine.len());
+        let received = restricted(&transfer, coarse.len(), &field).iter().sum::<f64>() * coarse.cell_volume();
+        let given = field.iter().sum::<f64>() * fine.cell_volume();
+        assert!((received - given).abs() < 1e-14 * fine.len() as f64, "{received} of {given}");
+        let mut sums = vec![0.0; D * transfer.len()];
+        transfer.restrict_point(fine.len() / 2 + 7, [1.5; D], &mut sums);
+        let received = sums.iter().sum::<f64>() * coarse.cell_volume();
+        let given = 1.5 * D as f64 * fine.cell_volume();
+        assert!((received / given - 1.0).abs() < 1e-14, "{received} of {given}, from a point");
+    }
+
+    #[test]
+    fn coarse_cells_receive_all_momentum_of_fine_ones() {
+        coarse_cells_receive_the_momentum_of_fine_ones::<2>();
+        coarse_cells_receive_the_momentum_of_fine_ones::<3>();
+    }
+
+    #[test]
+    fn interpolation_has_the_fourth_order_and_knows_nothing_of_the_highest_wave() {
+        let error = |cells: usize| {
+            let coarse = Grid::new([[0.0, 1.0]; 2], [cells; 2]);
+            let fine = FineBox { first: [3; 2], cells: [12; 2], ratio: 4 };
+            let (own, transfer) = (fine.grid(&coarse), Transfer::new(&coarse, &fine));
+            let wave = |[x, y]: [f64; 2]| (6.0 * x + 0.3).sin() * (5.0 * y).cos();
+            let field: Vec<_> = (0..coarse.len()).map(|point| wave(coarse.point(point))).collect();
+            let found = interpolated(&transfer, &field).into_iter().enumerate();
+            let inside = found.filter(|(point, _)| own.point(*point).iter().all(|x| (0.25..0.5).contains(x)));
+            inside.map(|(point, value)| (value - wave(own.point(point))).abs()).fold(0.0, f64::max)
+        };
+        let errors = [24, 48].map(error);
+        assert!(errors[0] / errors[1] > 14.0, "{errors:?}");
+        let (coarse, _, transfer) = between::<2>();
+        let highest: Vec<_> = (0..coarse.len()).map(|point| [1.0, -1.0][point % 2]).collect();
+        let most = interpolated(&transfer, &highest).iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        assert!(most < 1e-13, "{most}");
+    }
+}

@@ -1,0 +1,273 @@
+//! Two grids: a fine box in a coarse domain, beside one grid of fine cells.
+
+use std::f64::consts::TAU;
+
+use nervure_fluid::{
+    Body, Error, FineBox, Fluid, Law, Motion, Mount, Outline, Parameters, Precision, Solid, Solvable, Support,
+    Triangulation, Zone,
+};
+
+fn new<const D: usize>(parameters: &Parameters<D>) -> Fluid<D>
+where
+    [f64; D]: Solvable<D>,
+{
+    Fluid::new(parameters).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn advance<const D: usize>(fluid: &mut Fluid<D>, steps: usize, h: f64)
+where
+    [f64; D]: Solvable<D>,
+{
+    for _ in 0..steps {
+        fluid.advance(fluid.time(), h).unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+/// A cylinder of diameter 1 in a stream of 1 m/s at a Reynolds number, with so many fine cells across it, in a fine box of 6 x
+/// 4 in 12 x 8, or on one grid without a ratio.
+fn cylinder(reynolds: f64, cells: usize, ratio: Option<usize>, h: f64) -> Parameters {
+    let per_length = cells / ratio.unwrap_or(1);
+    let domain = [[-4.0, 8.0], [-4.0, 4.0]];
+    let mut parameters = Parameters::new(domain, [12 * per_length, 8 * per_length], 1.0, 1.0 / reynolds, h);
+    parameters.initial_velocity = [1.0, 0.0];
+    parameters.mean_flow = Some([Law::constant(1.0), Law::constant(0.0)]);
+    let mean_velocity = Law::constant(1.0);
+    parameters.sponge = Some(Zone { x: [6.0, 8.0], parabolic: false, mean_velocity, c_eta: 0.3 });
+    parameters.bodies = vec![Body::still("the cylinder", Outline::Circle(0.5), [0.0, 0.0])];
+    parameters.fine_box =
+        ratio.map(|ratio| FineBox { first: [2 * per_length; 2], cells: [6 * per_length, 4 * per_length], ratio });
+    parameters
+}
+
+/// Return the drag of the cylinder after each step.
+fn drags(parameters: &Parameters, steps: usize, h: f64) -> Vec<f64> {
+    let mut fluid = new(parameters);
+    let drag = |_| {
+        advance(&mut fluid, 1, h);
+        2.0 * fluid.force_on_body(0).force[0]
+    };
+    (0..steps).map(drag).collect()
+}
+
+fn mean(numbers: &[f64]) -> f64 {
+    numbers.iter().sum::<f64>() / numbers.len() as f64
+}
+
+#[test]
+fn drag_on_two_grids_is_that_on_one() {
+    let (h, steps) = (0.0125, 320);
+    let one = drags(&cylinder(40.0, 12, None, h), steps, h);
+    for (ratio, tolerance) in [(2, 0.006), (3, 0.01)] {
+        let two = drags(&cylinder(40.0, 12, Some(ratio), h), steps, h);
+        for late in [160..240, 240..320] {
+            let [found, expected] = [&two, &one].map(|drags| mean(&drags[late.clone()]));
+            let error = found / expected - 1.0;
+            assert!(error.abs() < tolerance, "ratio {ratio}, steps {late:?}: {found} beside {expected}, {error:+.4}");
+        }
+        // From step to step it has no mark of the coarse steps.
+        let largest = two[160..].windows(3).map(|d| (d[2] - 2.0 * d[1] + d[0]).abs()).fold(0.0, f64::max);
+        assert!(largest < 5e-4 * mean(&two[160..]), "ratio {ratio}: a jump of {largest}");
+    }
+}
+
+#[test]
+fn a_sphere_and_a_plate_have_the_drag_of_one_grid() {
+    let h = 0.02;
+    let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[y, z]| [0.0, y, z]).to_vec();
+    let plate = Triangulation(square, vec![[0, 1, 2], [0, 2, 3]]);
+    let bodies = [Body::still("the sphere", Solid::Sphere(0.5), [0.0; 3]), Body::still("the plate", plate, [0.0; 3])];
+    for body in bodies {
+        let run = |ratio: Option<usize>| {
+            let per_length = 12 / ratio.unwrap_or(1);
+            let domain = [[-2.0, 3.0], [-2.0, 2.0], [-2.0, 2.0]];
+            let cells = [5 * per_length, 4 * per_length, 4 * per_length];
+            let mut parameters = Parameters::<3>::new(domain, cells, 1.0, 0.02, h);
+            parameters.initial_velocity = [1.0, 0.0, 0.0];
+            parameters.mean_flow = Some([1.0, 0.0, 0.0].map(Law::constant));
+            parameters.bodies = vec![body.clone()];
+            parameters.fine_box = ratio.map(|ratio| FineBox { first: [3, 3, 3], cells: [20, 18, 18], ratio });
+            let mut fluid = new(&parameters);
+            let drag = |_| {
+                advance(&mut fluid, 1, h);
+                fluid.force_on_body(0).force[0]
+            };
+            (0..32).map(drag).collect::<Vec<_>>()
+        };
+        let [one, two] = [None, Some(2)].map(run);
+        let [found, expected] = [&two, &one].map(|drags| mean(&drags[24..]));
+        assert!((found / expected - 1.0).abs() < 0.015, "{}: {found} beside {expected}", body.name);
+    }
+}
+
+#[test]
+fn a_light_cylinder_on_springs_moves_as_on_one_grid() {
+    let (h, steps) = (0.0125, 240);
+    let [one, two] = [None, Some(2)].map(|ratio| {
+        let mut parameters = cylinder(100.0, 12, ratio, h);
+        let spring = Some(Support { stiffness: 4.0, damping: 0.0, rest: 0.0 });
+        let supports = [spring, spring, None, None, None, None];
+        let mount = Mount { mass: 0.2, inertia: 0.0, supports, gravity: [0.0; 2] };
+        parameters.bodies[0].motion = Some(Motion::Mount(mount));
+        parameters.mean_flow = Some([Law::constant(1.0), Law::new(|t| (0.2 * (2.0 * t).sin(), 0.4 * (2.0 * t).cos()))]);
+        let mut fluid = new(&parameters);
+        advance(&mut fluid, steps, h);
+        fluid.pose(0).position
+    });
+    for axis in 0..2 {
+        let (found, expected) = (two[axis], one[axis]);
+        assert!((found - expected).abs() < 0.005, "axis {axis}: {found} beside {expected} m");
+    }
+}
+
+/// Return the velocity at a time of a vortex that a stream of 1 m/s carries, with steps of `h`.
+fn vortex(h: f64) -> Vec<f64> {
+    let mut parameters = cylinder(50.0, 8, Some(2), h);
+    (parameters.bodies, parameters.sponge, parameters.max_cfl) = (vec![], None, 0.9);
+    let mut fluid = new(&parameters);
+    fluid.set_velocity(|[x, y]| {
+        let [x, y] = [x - 0.4, y - 0.1];
+        let swirl = 0.8 * (-2.0 * (x * x + y * y)).exp();
+        [1.0 - y * swirl, x * swirl]
+    });
+    advance(&mut fluid, (0.8 / h).round() as usize, h);
+    fluid.velocity(1).into_owned()
+}
+
+#[test]
+fn two_grids_have_the_second_order_in_time() {
+    let [coarse, middle, fine] = [0.02, 0.01, 0.005].map(vortex);
+    let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let (first, second) = (difference(&coarse, &middle), difference(&middle, &fine));
+    assert!(first / second > 3.6, "{first:.3e} and {second:.3e}: a quotient of {:.2}", first / second);
+}
+
+#[test]
+fn a_uniform_stream_stays_one() {
+    let mut parameters = cylinder(50.0, 8, Some(2), 0.02);
+    parameters.bodies.clear();
+    let mut fluid = new(&parameters);
+    advance(&mut fluid, 20, 0.02);
+    let most = fluid.velocity(0).iter().fold(0.0_f64, |most, u| most.max((u - 1.0).abs()));
+    assert!(most < 1e-13 && fluid.velocity(1).iter().all(|v| v.abs() < 1e-13), "{most}");
+}
+
+#[test]
+fn a_state_is_continued_with_the_same_bits() {
+    for (precision, threads) in [(Precision::Double, 1), (Precision::Single, 2)] {
+        let h = 0.0125;
+        let mut parameters = cylinder(100.0, 16, Some(4), h);
+        (parameters.precision, parameters.threads) = (precision, threads);
+        let [mut fluid, mut other] = [(); 2].map(|()| new(&parameters));
+        // In the middle of a coarse step.
+        advance(&mut fluid, 18, h);
+        let state = fluid.state();
+        other.restore(&state).unwrap_or_else(|e| panic!("{e}"));
+        assert!(other.pressure() == fluid.pressure(), "{precision:?}: another pressure");
+        advance(&mut fluid, 7, h);
+        advance(&mut other, 7, h);
+        assert!(fluid.state() == other.state(), "{precision:?}: it goes on otherwise");
+        // Results do not depend on threads.
+        parameters.threads = 1;
+        let mut alone = new(&parameters);
+        advance(&mut alone, 25, h);
+        assert!(fluid.state() == alone.state(), "{precision:?}: another with one thread");
+    }
+}
+
+#[test]
+fn a_refused_step_changes_nothing() {
+    let h = 1e-2;
+    let with_jump = |speed: f64| {
+        let mut parameters = cylinder(40.0, 8, Some(2), h);
+        let law = Law::new(move |t| (0.0, if t < 4.5 * h { 0.0 } else { speed }));
+        let motion = Motion::laws([Law::constant(0.0), law], 1.0, Law::constant(0.0));
+        parameters.bodies[0].motion = Some(motion);
+        new(&parameters)
+    };
+    // The refused step begins with one on the coarse grid.
+    let [mut fluid, mut slow] = [1e5, 0.2].map(with_jump);
+    advance(&mut fluid, 4, h);
+    advance(&mut slow, 4, h);
+    let (before, pressure) = (fluid.state(), fluid.pressure());
+    let refused = fluid.advance(4.0 * h, h);
+    assert!(matches!(refused, Err(Error::Diverged { .. })), "{refused:?}");
+    assert!(fluid.state() == before, "the state is another");
+    assert!(fluid.pressure() == pressure, "the pressure is another");
+    advance(&mut slow, 3, h);
+    let ahead = slow.state();
+    slow.restore(&before).unwrap_or_else(|e| panic!("{e}"));
+    advance(&mut slow, 3, h);
+    assert!(slow.state() == ahead, "it goes on otherwise");
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let h = 0.0125;
+    let mut fluid = new(&cylinder(100.0, 16, Some(4), h));
+    advance(&mut fluid, 9, h);
+    let counted = allocation_counter::measure(|| advance(&mut fluid, 9, h));
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+}
+
+#[test]
+fn pressure_on_two_grids_is_that_on_one() {
+    let h = 0.0125;
+    let [mut one, mut two] = [None, Some(2)].map(|ratio| new(&cylinder(40.0, 12, ratio, h)));
+    advance(&mut one, 200, h);
+    advance(&mut two, 200, h);
+    let ([fine, coarse], [of_one, of_two]) = ([*one.grid(), *two.grid()], [&mut one, &mut two].map(Fluid::pressure));
+    // In front of the cylinder, behind it, in the rim, and outside of the fine box.
+    for [x, y] in [[-1.0, 0.0], [1.0, 0.0], [-1.5, 1.0], [-3.0, 0.5], [5.0, 1.0]] {
+        let at = |grid: &nervure_fluid::Grid, field: &[f64]| {
+            let index = [(x + 4.0) / grid.spacing[0], (y + 4.0) / grid.spacing[1]].map(|i: f64| i.round() as usize);
+            field[index[0] * grid.cells[1] + index[1]]
+        };
+        let [found, expected] = [at(&coarse, &of_two), at(&fine, &of_one)];
+        assert!((found - expected).abs() < 0.02, "at ({x}, {y}) m: {found} beside {expected} Pa");
+    }
+}
+
+#[test]
+fn a_fine_box_that_cannot_be_is_refused_in_words() {
+    let message = |change: &dyn Fn(&mut Parameters)| {
+        let mut parameters = cylinder(40.0, 12, Some(3), 0.01);
+        change(&mut parameters);
+        Fluid::new(&parameters).err().map_or(String::new(), |error| error.to_string())
+    };
+    let fine = |change: &dyn Fn(&mut FineBox)| message(&|parameters| parameters.fine_box.iter_mut().for_each(change));
+    for (found, expected) in [
+        (fine(&|fine| fine.ratio = 9), "the fine box has cells 9 times as fine, but it must be 2 to 8 times"),
+        (fine(&|fine| fine.cells[1] = 11), "the fine box has 11 coarse cells along y, but it needs 16"),
+        (fine(&|fine| fine.first[1] = 20), "reaches along y from 1.000000e0 to 5.000000e0 m, out of the domain"),
+        (message(&|of| of.walls[1] = Some([-1.9, 3.0])), "m, through the walls at -1.900000e0 and 3.000000e0 m"),
+        (fine(&|fine| fine.first[0] = 20), "m, into the sponge from 6.000000e0 to 8.000000e0 m"),
+        (
+            message(&|of| of.probes = vec![[-3.0, 0.0]]),
+            "must have all probes in it, but probe 1 at [-3.0, 0.0] m is not",
+        ),
+        (message(&|of| of.scheme = scene::TimeScheme::Rk2), "the fine box needs the scheme sbdf2"),
+    ] {
+        assert!(found.contains(expected), "{found:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn a_body_in_the_rim_is_refused_in_words() {
+    let h = 0.01;
+    let mut parameters = cylinder(40.0, 12, Some(3), h);
+    let drift = Motion::laws([Law::new(|t| (-10.0 * t, -10.0)), Law::constant(0.0)], 1.0, Law::constant(0.0));
+    parameters.bodies[0].motion = Some(drift);
+    let mut fluid = new(&parameters);
+    let refused = (0..20).find_map(|step| fluid.advance(h * f64::from(step), h).err()).map(|error| error.to_string());
+    assert!(
+        refused.as_deref().is_some_and(|text| text.contains("it must stay 5 coarse cells from its ends")),
+        "{refused:?}"
+    );
+    // A body on a circle within the box is none.
+    parameters.bodies[0].motion = Some(Motion::laws(
+        [Law::new(|t| (0.05 * (TAU * t).sin(), 0.05 * TAU * (TAU * t).cos())), Law::constant(0.0)],
+        1.0,
+        Law::constant(0.0),
+    ));
+    advance(&mut new(&parameters), 20, h);
+}

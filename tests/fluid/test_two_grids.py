@@ -1,0 +1,114 @@
+"""A fine box in a coarse one: a unit like any other, with fields of the large box, states, and refusals by key."""
+
+import copy
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nervure import api, load
+from nervure.errors import SceneError
+from nervure.scene import validate
+from tests.conftest import nervure
+
+SCENE: dict[str, Any] = {
+    "name": "two-grids",
+    "time": {"end": 1.0, "communication_step": 0.0125},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.02,
+        "box": {"x": [-4.0, 8.0], "y": [-4.0, 4.0], "cells": [48, 32]},
+        "fine_box": {"x": [-2.05, 3.02], "y": [-2.0, 2.0], "ratio": 4},
+        "initial_velocity": [1.0, 0.0],
+        "mean_flow": {"x": {"constant": 1.0}},
+        "sponge": {"x": [6.0, 8.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.3},
+        "mask": {"log_linear": {"c_eta": 1e-4}},
+        "time_stepping": {"max_step": 0.0125, "max_cfl": 0.4},
+    },
+    "beam": {
+        "root": {"at": {"position": [-0.5, 0.0], "direction": [1.0, 0.1]}},
+        "length": 1.0,
+        "thickness": 0.02,
+        "segments": 24,
+        "surface": "line",
+    },
+    "rod": {
+        "material": {"section": {"line_density": 1e-6, "bending_stiffness": 1e-2, "axial_stiffness": 100.0}},
+        "scheme": "bdf2",
+    },
+}
+"""A flag almost without mass, held in a fine box whose ends are not on the large grid."""
+
+
+def changed(**parts: object) -> dict:
+    """Return `SCENE` with other parts of the fluid."""
+    scene = copy.deepcopy(SCENE)
+    scene["fluid"] |= parts
+    return scene
+
+
+def test_a_flag_without_mass_moves_on_two_grids_as_on_one(libraries, tmp_path):
+    large, fine = SCENE["fluid"]["box"], SCENE["fluid"]["fine_box"]
+    scenes = {
+        "two": changed(box=large | {"cells": [96, 64]}, fine_box=fine | {"ratio": 2}),
+        "one": changed(box=large | {"cells": [192, 128]}, fine_box=None),
+    }
+    two, one = (api.run(validate(scene), tmp_path / name, quiet=True).series for name, scene in scenes.items())
+    for name in ("tip_uy", "drag"):
+        found, expected = (float(series[name][-40:].mean()) for series in (two, one))
+        assert abs(found / expected - 1) < 0.03, f"{name}: {found} beside {expected}"
+
+
+@pytest.mark.parametrize("version", (2, 3))
+def test_a_unit_on_two_grids_goes_back_and_on_in_another_instance(version, instantiate):
+    unit, other = (instantiate(SCENE, version=version)["fluid"] for _ in range(2))
+    for own in (unit, other):
+        own.start()
+    for step in range(6):
+        unit.step(step * 0.0125, 0.0125)
+    other.deserialize(unit.serialize())
+    unit.save()
+    shown = []
+    for own in (unit, other, unit):
+        for step in range(6, 12):
+            own.step(step * 0.0125, 0.0125)
+        fields = [own.field(name) for name in ("u", "v", "p", "vorticity")]
+        assert all(field.shape == (48, 32) for field in fields), "fields have the cells of the large box"
+        shown.append(np.concatenate([own.outputs, *map(np.ravel, fields)]))
+        unit.restore()
+    assert np.array_equal(shown[0], shown[1]) and np.array_equal(shown[0], shown[2])
+
+
+def test_inspect_shows_the_cells_of_both(libraries, tmp_path):
+    (tmp_path / "scene.json").write_text(json.dumps(SCENE))
+    shown = nervure("inspect", str(tmp_path / "scene.json")).stdout
+    assert "48 x 32 cells of 0.25 x 0.25 m" in shown, shown
+    assert "80 x 64 cells of 0.0625 x 0.0625 m" in shown, shown
+
+
+FINE = SCENE["fluid"]["fine_box"]
+
+
+@pytest.mark.parametrize(
+    ("parts", "named"),
+    (
+        ({"fine_box": FINE | {"ratio": 9}}, ["fluid.fine_box.ratio"]),
+        ({"fine_box": FINE | {"y": [-1.0, 1.0]}}, ["fluid.fine_box.y", "16 cells of the large box across, and has 8"]),
+        ({"fine_box": FINE | {"x": [-5.0, 3.0]}}, ["fluid.fine_box.x", "inside the box"]),
+        ({"fine_box": FINE | {"x": [-2.0, 7.0]}}, ["fluid.fine_box.x", "into the sponge"]),
+        ({"fine_box": FINE | {"z": [-2.0, 2.0]}}, ["fluid.fine_box.z", "axes of `box`"]),
+        ({"channel": {"y": [-1.5, 3.0]}}, ["fluid.fine_box.y", "between the walls"]),
+        ({"probes": [{"name": "far", "position": [5.0, 0.0]}]}, ["fluid.probes[0].position", "must lie in it"]),
+        (
+            {"bodies": [{"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 1.5]}]},
+            ["fluid.bodies[0].position", "rim of `fine_box`"],
+        ),
+        ({"fine_box": FINE | {"x": [-1.0, 3.0]}}, ["beam.root", "rim of `fine_box`"]),
+    ),
+)
+def test_a_fine_box_that_cannot_be_is_refused_by_its_key(parts, named, libraries, tmp_path):
+    (tmp_path / "scene.json").write_text(json.dumps(changed(**parts)))
+    with pytest.raises(SceneError) as refused:
+        load(tmp_path / "scene.json")
+    assert all(part in str(refused.value) for part in named), refused.value
