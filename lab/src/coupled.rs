@@ -56,7 +56,8 @@ impl RodInFlow {
         if matches!(model.root_motion, Some(RootMotion::Master)) {
             return Err("`rod.root_motion` is left to a master, but here only laws of time can drive a root".into());
         }
-        let rod = from_scene::build(&scene, &beam, &model).map_err(|e| e.to_string())?;
+        let mut rod = Rod::new(from_scene::parameters(&scene, &beam, &model)).map_err(|e| e.to_string())?;
+        rod.loads = from_scene::loads(&scene, 2, beam.segments + 1);
         let mut own = Self { rod, beam, model, scene };
         if let Some(base) = own.base_at(0.0) {
             own.rod.place(base).map_err(|e| e.to_string())?;

@@ -2,10 +2,15 @@
 
 use scene::{Spanwise, SpanwiseProfile};
 
+use rod::Rod;
+
 use super::*;
 
 fn rod_of<const D: usize>(scene: &Scene) -> Rod<D> {
-    build(scene, scene.beam.as_ref().unwrap(), scene.rod.as_ref().unwrap()).unwrap()
+    let beam = scene.beam.as_ref().unwrap();
+    let mut rod = Rod::new(parameters(scene, beam, scene.rod.as_ref().unwrap())).unwrap();
+    rod.loads = loads(scene, D, beam.segments + 1);
+    rod
 }
 
 /// Return a scene with this `beam.root`, and with `fluid` and `coupling` if it has a load.

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
 use std::time::Instant;
 
-use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Scheme, Section};
+use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Rod, Scheme, Section};
 use scene::{Material, Scene};
 
 use crate::common::{elastica, total_energy, unit_rod};
@@ -116,8 +116,10 @@ pub fn csm() -> Table {
             if stiff && let Material::PlaneStrain { shear_factor, .. } = &mut rod.material {
                 (*shear_factor, rod.clamp_compliance_length) = (None, 0.0);
             }
-            let (beam, rod) = (scene.beam.as_ref(), scene.rod.as_ref());
-            from_scene::build::<2>(&scene, beam.expect("a beam"), rod.expect("a rod")).expect("a shipped scene")
+            let (beam, rod) = (scene.beam.as_ref().expect("a beam"), scene.rod.as_ref().expect("a rod"));
+            let mut own = Rod::<2>::new(from_scene::parameters(&scene, beam, rod)).expect("a shipped scene");
+            own.loads = from_scene::loads(&scene, 2, beam.segments + 1);
+            own
         };
         let at_rest = settled(built("csm1.json")).tip_displacement();
         let (dt, periods, steps) = (1e-3, 10, 910);
