@@ -1,8 +1,7 @@
 //! Tests of rods built from scenes.
 
-use scene::{Spanwise, SpanwiseProfile};
-
 use rod::Rod;
+use scene::{Spanwise, SpanwiseProfile};
 
 use super::*;
 
