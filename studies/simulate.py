@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 
 from nervure import coupling, scene as scenes
+from nervure.errors import InputError
 from nervure.evaluate import coefficients, statistics
+from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.output.forecast import resident_memory
 from nervure.output.pictures import Pictures
@@ -138,6 +140,15 @@ def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
     share, growth = (1 - np.cos(part)) / 2, np.pi / law["ramp"] * np.sin(part) / 2
     sin, cos = np.sin(omega * t), np.cos(omega * t)
     return law["amplitude"] * share * sin, law["amplitude"] * (share * omega * cos + growth * sin)
+
+
+def completed(scene: dict[str, Any], folder: Path) -> Series:
+    """Return the series of a run of a scene; raise `InputError` where it ends with an error."""
+    with session(scene, folder) as own:
+        status, series = own.run(), own.recorder.series
+    if status.error:
+        raise InputError(status.error)
+    return series
 
 
 def session(

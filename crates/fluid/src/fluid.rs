@@ -77,7 +77,7 @@ where
     pub displaced_to: Vec<Pose<D>>,
 }
 
-/// Return the numbers of a state for each cell: velocity and vorticity at two times, and `w`.
+/// Return the numbers of a state for each cell: velocity and vorticity at three times, and `w`.
 const fn numbers_of_state<const D: usize>() -> usize {
     if D == 2 { 11 } else { 21 }
 }
