@@ -5,7 +5,7 @@
 
 use std::slice::from_mut;
 
-use fluid::{Fluid, Force, Pose, Space, Stations};
+use fluid::{Fluid, Force, Kinematics, Pose, Stations};
 use scene::{Load, Surface};
 
 use super::FluidUnit;

@@ -3,19 +3,9 @@
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
-use crate::space::{Space, Spin, Vector};
+pub use rigid::Force;
 
-/// Force and moment of the fluid on a body in the last step, in the plane per metre of depth.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Force<const D: usize = 2>
-where
-    [f64; D]: Space<D>,
-{
-    /// Force, N.
-    pub force: Vector<D>,
-    /// Moment about the pivot of a body or the root of a beam, N m.
-    pub moment: Spin<D>,
-}
+use crate::space::{Space, Spin, Vector};
 
 /// Force, power and work of the drag on a flexible body, in the plane per metre of depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,15 +46,6 @@ where
     pub transport: Spin<D>,
 }
 
-impl<const D: usize> Default for Force<D>
-where
-    [f64; D]: Space<D>,
-{
-    fn default() -> Self {
-        Self { force: Vector::zeros(), moment: Default::default() }
-    }
-}
-
 impl<const D: usize> Default for Exchange<D> {
     fn default() -> Self {
         Self { force: [0.0; D], power: 0.0, work: 0.0 }
@@ -77,22 +58,6 @@ where
 {
     fn default() -> Self {
         Self { momentum: Vector::zeros(), angular: Default::default(), transport: Default::default() }
-    }
-}
-
-impl<const D: usize> Force<D>
-where
-    [f64; D]: Space<D>,
-{
-    /// Add a force (N) that acts at `arm` (m) from the point about which the moment is taken.
-    pub fn add(&mut self, force: &Vector<D>, arm: &Vector<D>) {
-        self.force += force;
-        self.moment += <[f64; D]>::cross(arm, force);
-    }
-
-    /// Return the sum with another force and moment about the same point.
-    pub fn plus(&self, other: &Self) -> Self {
-        Self { force: self.force + other.force, moment: self.moment + other.moment }
     }
 }
 

@@ -11,7 +11,7 @@ use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 use crate::error::Error;
 use crate::parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
 use crate::shapes::{Polyline, Shape, Triangulation};
-use crate::space::{Space, Spin, Turn, Vector};
+use crate::space::{Kinematics, Space, Spin, Turn, Vector};
 
 impl TryFrom<&Scene> for Parameters<2> {
     type Error = Error;
@@ -160,7 +160,7 @@ fn cylinder((k, cylinder): (usize, &scene::Cylinder)) -> Body {
 fn bodies<'a, const D: usize>(
     fluid: &'a scene::Fluid,
     shape: impl Fn(&scene::Shape) -> Arc<dyn Shape<D>> + 'a,
-    turn: impl Fn(&scene::Body) -> <[f64; D] as Space<D>>::Turn + 'a,
+    turn: impl Fn(&scene::Body) -> <[f64; D] as Kinematics<D>>::Turn + 'a,
     axis: impl Fn(&scene::BodyMotion) -> Spin<D> + 'a,
 ) -> impl Iterator<Item = Body<D>> + 'a
 where

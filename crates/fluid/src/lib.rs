@@ -46,7 +46,7 @@ mod two_grids;
 mod wall;
 mod zone;
 
-pub use bodies::Pose;
+pub use ::rigid::Pose;
 pub use error::Error;
 pub use fluid::Fluid;
 pub use force::{Exchange, Force};
@@ -57,7 +57,7 @@ pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
 pub use parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
-pub use space::{Space, Spin, Turn};
+pub use space::{Kinematics, Space, Spin, Turn};
 pub use state::State;
 pub use stations::{Loads, Stations};
 

@@ -4,7 +4,7 @@ use crate::bodies::{Pose, Rigid};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::parameters::{Extent, Flexible};
-use crate::space::Space;
+use crate::space::{Kinematics, Space};
 use crate::stations::Stations;
 
 /// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step`

@@ -10,7 +10,7 @@ use method::{Filter, Mask, Precision, Support, TimeScheme};
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
-use crate::space::{Freedoms, Space, Spin};
+use crate::space::{Freedoms, Kinematics, Space, Spin};
 use crate::two_grids::{GROWTH, RIM};
 
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
@@ -133,7 +133,7 @@ where
     /// Pivot in the axes of the body, m.
     pub pivot: [f64; D],
     /// Turn from the axes of the domain to those of the body; in the plane an angle, rad, positive to the left.
-    pub turn: <[f64; D] as Space<D>>::Turn,
+    pub turn: <[f64; D] as Kinematics<D>>::Turn,
     /// How it moves; absent: still.
     pub motion: Option<Motion<D>>,
 }
@@ -168,7 +168,7 @@ where
     /// Mass, kg, in the plane per metre of depth.
     pub mass: f64,
     /// Moments of inertia about the pivot in the axes of the body, kg m², in the plane per metre of depth.
-    pub inertia: <[f64; D] as Space<D>>::Inertia,
+    pub inertia: <[f64; D] as Kinematics<D>>::Inertia,
     /// Spring and damper along each axis, then about z in the plane or each axis in space; absent in a direction in
     /// which the body cannot move.
     pub supports: [Option<Support>; 6],
@@ -543,7 +543,7 @@ where
 }
 
 /// Return a mass along each axis, then the moments of inertia.
-fn freedoms<const D: usize>(mass: f64, inertia: <[f64; D] as Space<D>>::Inertia) -> Freedoms
+fn freedoms<const D: usize>(mass: f64, inertia: <[f64; D] as Kinematics<D>>::Inertia) -> Freedoms
 where
     [f64; D]: Space<D>,
 {

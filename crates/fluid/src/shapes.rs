@@ -6,7 +6,7 @@ use geometry::plane::Outline;
 use geometry::space::Solid;
 use geometry::{Nearest, Region, Section};
 
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 
 /// Volume and its moments, in the plane of an area.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,7 @@ where
     /// Centroid, m.
     pub centroid: Vector<D>,
     /// Moments of inertia about the centroid for a density of 1, m⁵, or m⁴ in the plane.
-    pub inertia: <[f64; D] as Space<D>>::Inertia,
+    pub inertia: <[f64; D] as Kinematics<D>>::Inertia,
 }
 
 /// What lies between the nodes of a shape without thickness.
@@ -80,7 +80,7 @@ where
     [f64; D]: Space<D>,
 {
     /// Return mass and moments of inertia about a `pivot` for a density (kg/m³).
-    pub fn about(&self, pivot: [f64; D], density: f64) -> (f64, <[f64; D] as Space<D>>::Inertia) {
+    pub fn about(&self, pivot: [f64; D], density: f64) -> (f64, <[f64; D] as Kinematics<D>>::Inertia) {
         let arm = self.centroid - Vector::from(pivot);
         (density * self.volume, <[f64; D]>::shifted(self.inertia, self.volume, &arm) * density)
     }

@@ -28,7 +28,7 @@ mod statics;
 mod step;
 mod vertex;
 
-pub use structure::{Drive, Exchange, Loads, Scheme, Statistics};
+pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
 pub use crate::banded::{Banded, Singular};
 pub use crate::base_motion::BaseMotion;

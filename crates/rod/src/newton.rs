@@ -134,6 +134,27 @@ impl<const D: usize> Newton<D> {
         })
     }
 
+    /// Factorise ∇∇Π at `x`.
+    pub(crate) fn factorise_at(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<(), Error> {
+        self.assemble(problem, x)?;
+        match self.factorise() {
+            Ok(_) => Ok(()),
+            Err(Singular) => Err(self.failure(problem, x, &Statistics::default())),
+        }
+    }
+
+    /// Replace the forces on the free nodes, N, by the displacements under them, m, after [`Self::factorise_at`].
+    pub(crate) fn displace(&mut self, forces: &mut [Vector<D>]) {
+        let free = &mut forces[self.first..];
+        for (update, force) in self.update.chunks_exact_mut(D).zip(&*free) {
+            update.copy_from_slice(force.as_slice());
+        }
+        self.solve_factorised();
+        for (update, force) in self.update.chunks_exact(D).zip(free) {
+            force.copy_from_slice(update);
+        }
+    }
+
     fn iterate(
         &mut self,
         problem: Problem<D>,

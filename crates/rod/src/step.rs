@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use structure::{Core, Reaction, Scheme, Span, StepRule, Structure, Vector, cross};
+use structure::{Core, Mounted, Reaction, RootResponse, Scheme, Span, StepRule, Structure, Vector, cross};
 
 use crate::base_motion::BaseState;
 use crate::error::LARGEST_GAIN;
@@ -249,6 +249,37 @@ impl<const D: usize> Structure<D> for Rod<D> {
     fn solve(&mut self, origin: &[Vector<D>]) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
         newton.solve(Problem { elastic, balance: &core.balance, origin }, &mut core.guess, &mut core.statistics)
+    }
+}
+
+impl Mounted for Rod<3> {
+    fn centre(&self) -> Vector<3> {
+        self.core.state.positions[0]
+    }
+
+    fn factorise(&mut self) -> Result<(), Error> {
+        let Self { core, elastic, newton, .. } = self;
+        let positions = &core.state.positions;
+        newton.factorise_at(Problem { elastic, balance: &core.balance, origin: positions }, positions)
+    }
+
+    fn multiply_mass(&mut self) {
+        self.core.product.fill(Vector::zeros());
+    }
+
+    fn displace(&mut self) {
+        self.newton.displace(&mut self.core.product);
+    }
+}
+
+impl Rod<3> {
+    /// Return what the root bears in a step of `duration`, s, under the present loads to the present `base_motion`; the
+    /// rod stays as it is ([`structure::root_response`]).
+    ///
+    /// # Errors
+    /// As [`Rod::step`].
+    pub fn root_response(&mut self, duration: f64) -> Result<RootResponse, Error> {
+        structure::root_response(self, duration)
     }
 }
 

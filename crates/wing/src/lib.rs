@@ -32,7 +32,7 @@ mod vein;
 mod wing;
 
 pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
-pub use structure::{Drive, Exchange, Loads, Scheme, Statistics};
+pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
 pub use crate::base::{RigidMotion, WingState};
 pub use crate::error::{Error, WingError};

@@ -77,6 +77,21 @@ impl Newton {
         self.factorised = false;
     }
 
+    /// Factorise the matrix of the shape `x` that moves at `v`.
+    pub(crate) fn factorise_at(
+        &mut self,
+        elastic: &mut Elastic,
+        balance: &Balance<3>,
+        x: &[Vector],
+        v: &[Vector],
+    ) -> Result<(), Error> {
+        self.system.assemble(elastic, x, v, balance, false)?;
+        match self.system.matrix.factorise() || self.system.factorise_shifted() {
+            true => Ok(()),
+            false => Err(UNSOLVED.error(&Statistics::default())),
+        }
+    }
+
     /// Move `x` from its first guess to the solution near `origin`; a failure leaves `x` undefined.
     pub(crate) fn solve(
         &mut self,

@@ -1,6 +1,6 @@
 //! What a wing adds to a step in time: its stages, the check of the energy and the reaction of the base.
 
-use structure::{Core, Reaction, Span, StepRule, Structure};
+use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
 use crate::geometry::Vector;
 use crate::{Energy, Error, RigidMotion, Wing, WingError};
@@ -192,7 +192,39 @@ impl Structure<3> for Wing {
     }
 }
 
+impl Mounted for Wing {
+    fn centre(&self) -> Vector {
+        Vector::from(self.parameters.root.origin) + Vector::from(self.core.state.own.displacement)
+    }
+
+    fn factorise(&mut self) -> Result<(), Error> {
+        let Self { core, elastic, newton, .. } = self;
+        newton.factorise_at(elastic, &core.balance, &core.state.positions, &core.state.velocities)
+    }
+
+    fn multiply_mass(&mut self) {
+        let Self { core, elastic, .. } = self;
+        elastic.mass_times(&core.guess, &mut core.product);
+        core.product.iter_mut().for_each(|product| *product *= core.balance.mass);
+    }
+
+    fn displace(&mut self) {
+        let Self { core, newton, .. } = self;
+        newton.system.solve(&core.product);
+        core.product.iter_mut().enumerate().for_each(|(k, product)| *product = newton.system.update_of(k));
+    }
+}
+
 impl Wing {
+    /// Return what the root bears in a step of `duration`, s, under the present loads to the present `base_motion`; the
+    /// wing stays as it is ([`structure::root_response`]).
+    ///
+    /// # Errors
+    /// As [`Wing::step`].
+    pub fn root_response(&mut self, duration: f64) -> Result<RootResponse, Error> {
+        structure::root_response(self, duration)
+    }
+
     /// Advance by `duration`, s, under the present loads ([`structure::step`]), with up to twelve halvings.
     ///
     /// # Errors

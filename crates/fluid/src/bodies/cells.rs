@@ -2,7 +2,7 @@
 
 use super::measure::{Measure, Surface};
 use crate::grid::Grid;
-use crate::space::{Space, Spin, Vector};
+use crate::space::{Kinematics, Space, Spin, Vector};
 use crate::wall::{DragProfile, Sample, WallTarget};
 
 /// One cell of a body.

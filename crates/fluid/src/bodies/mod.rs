@@ -3,7 +3,6 @@
 mod beam;
 mod cells;
 mod measure;
-mod mount;
 mod pose;
 mod rigid;
 
@@ -13,17 +12,16 @@ use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
 use crate::parameters::{Mount, Parameters};
-use crate::space::{Freedoms, Space, Vector, join, split};
+use crate::space::{Freedoms, Kinematics, Space, Vector, join, split};
 use crate::stations::Stations;
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
+pub use ::rigid::{Carried, Drag, Pose};
+use ::rigid::{Mass, SpringStep};
 pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
-pub use mount::{Carried, Drag};
-use mount::{DisplacedMass, SpringStep};
-pub use pose::Pose;
 pub use rigid::Rigid;
 
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
@@ -364,9 +362,10 @@ where
     /// springs.
     fn solve_springs(&mut self, c: [f64; 3], carried: &Carried<D>, density: f64, drag: &Drag<D>) -> Option<Freedoms> {
         let mount = *self.mount()?;
-        let (inertia, fluid) = (self.inertia_matrix(mount.inertia), self.displaced_mass(density));
-        let (weight, predicted) = (self.weight(&mount, &fluid), self.pose.rates());
-        let step = SpringStep { mount, carried, c, inertia, fluid, weight, predicted };
+        let own = Mass { mass: mount.mass, inertia: self.inertia_matrix(mount.inertia), arm: Vector::zeros() };
+        let (fluid, predicted) = (self.displaced_mass(density), self.pose.rates());
+        let (mass, gyroscopic, weight) = (own.matrix(), own.gyroscopic(&predicted), self.weight(&mount, &fluid));
+        let step = SpringStep { supports: &mount.supports, carried, c, mass, gyroscopic, fluid, weight, predicted };
         let found = step.solve(drag);
         self.spring_motion = Some(found);
         Some(found.change)
@@ -374,7 +373,7 @@ where
 
     /// Return the weight less that of the fluid that carries the body, with its moment about the pivot. A thin body
     /// displaces none.
-    fn weight(&self, mount: &Mount<D>, fluid: &DisplacedMass<D>) -> Freedoms {
+    fn weight(&self, mount: &Mount<D>, fluid: &Mass<D>) -> Freedoms {
         let (gravity, carrying) = (Vector::from(mount.gravity), if self.is_thin() { 0.0 } else { fluid.mass });
         join::<D>(&(gravity * (mount.mass - carrying)), <[f64; D]>::cross(&fluid.arm, &(gravity * -carrying)))
     }

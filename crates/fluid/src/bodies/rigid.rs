@@ -2,19 +2,19 @@
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
+use ::rigid::{Mass, Pose, SpringMotion};
 use geometry::Region;
 use method::Mask;
 
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
-use super::mount::{DisplacedMass, SpringMotion};
-use super::pose::Pose;
+use super::pose::pose_at;
 use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::kernel::layer_thickness;
 use crate::parameters::{Body, Motion, Mount};
 use crate::shapes::{Moments, nearest};
-use crate::space::{Space, Vector, join};
+use crate::space::{Kinematics, Space, Vector, join};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
@@ -29,7 +29,7 @@ where
     /// Present place and motion.
     pub pose: Pose<D>,
     /// Present orientation.
-    pub orientation: <[f64; D] as Space<D>>::Orientation,
+    pub orientation: <[f64; D] as Kinematics<D>>::Orientation,
     /// Cells at the present place.
     pub cells: Cells<D>,
     /// What the solve of the present step found, of a body on springs.
@@ -80,7 +80,7 @@ where
                 (body.limited(layer, density), None)
             }
         };
-        let pose = Pose::of(&body, 0.0);
+        let pose = pose_at(&body, 0.0);
         let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
         let cells = Cells::default();
         let mut rigid = Self { body, moments, profile, pose, orientation, cells, spring_motion: None };
@@ -160,13 +160,13 @@ where
     }
 
     /// Return the mass of the displaced fluid of a density (kg/m³).
-    pub fn displaced_mass(&self, density: f64) -> DisplacedMass<D> {
+    pub fn displaced_mass(&self, density: f64) -> Mass<D> {
         let (mass, inertia) = self.moments.about(self.body.pivot, density);
-        DisplacedMass { mass, inertia: <[f64; D]>::inertia_matrix(&self.orientation, inertia), arm: self.centroid() }
+        Mass { mass, inertia: <[f64; D]>::inertia_matrix(&self.orientation, inertia), arm: self.centroid() }
     }
 
     /// Return moments of inertia in the axes of the body as a matrix in those of the domain.
-    pub fn inertia_matrix(&self, inertia: <[f64; D] as Space<D>>::Inertia) -> [[f64; 3]; 3] {
+    pub fn inertia_matrix(&self, inertia: <[f64; D] as Kinematics<D>>::Inertia) -> [[f64; 3]; 3] {
         <[f64; D]>::inertia_matrix(&self.orientation, inertia)
     }
 
@@ -183,7 +183,7 @@ where
 
     /// Move to the place that the laws give at time `t` (s), and list the cells.
     pub fn follow(&mut self, t: f64, grid: &Grid<D>) {
-        self.place(Pose::of(&self.body, t), grid);
+        self.place(pose_at(&self.body, t), grid);
     }
 
     /// Move to a place, and list the cells.
@@ -223,7 +223,7 @@ where
     region: &'a dyn Region<D>,
     /// Pivot in the axes of the body, m.
     pivot: Vector<D>,
-    orientation: <[f64; D] as Space<D>>::Orientation,
+    orientation: <[f64; D] as Kinematics<D>>::Orientation,
     pose: Pose<D>,
 }
 
@@ -278,7 +278,7 @@ mod tests {
             rigid.displaced(density)
         });
         let found = after.rate_of_change(&before, dt);
-        let poses = [t - 2e-3, t, t + 2e-3].map(|t| Pose::of(body, t));
+        let poses = [t - 2e-3, t, t + 2e-3].map(|t| pose_at(body, t));
         let place = |pose: &Pose<D>, own: Vector<D>| {
             pose.position + <[f64; D]>::turn(&<[f64; D]>::orientation(&body.turn, pose.angle), own)
         };

@@ -29,7 +29,7 @@ use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
 use crate::kernel::{Kernel, ROD_SECTION_CELLS, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};
 
 use drag::{Dragged, MarkerDrag};

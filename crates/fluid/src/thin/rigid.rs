@@ -4,7 +4,7 @@ use super::markers::Markers;
 use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
 use crate::parameters::{Body, Motion};
-use crate::space::{Freedoms, Space, Spin, Vector};
+use crate::space::{Freedoms, Kinematics, Space, Spin, Vector};
 use crate::stations::Stations;
 
 /// The nodes of a thin rigid body.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::parts::Parts;
 use super::surface::Facets;
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 use crate::stations::Stations;
 
 /// Pressure jump and shear stress of a body at its stations, Pa.

@@ -8,7 +8,7 @@ use std::ops::Range;
 use mesh::triangle_area;
 
 use super::parts::Parts;
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 
 /// Root of the area of a patch, cells. At 1.5 a floppy sheet without mass is unstable with its lumped impedance,
 /// because each marker has six neighbours; at 2 a disk leaks, and lacks a sixth of its added mass.

@@ -18,7 +18,7 @@ use super::cells::{Cell, Cells};
 use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::parameters::{Extent, Parameters};
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};
 use frame::StationSection;
 use mask::BeamMask;
