@@ -8,6 +8,7 @@
 
 mod body;
 mod carried;
+mod flyer;
 mod force;
 mod hinge;
 mod kinematics;
@@ -16,6 +17,7 @@ mod step;
 
 pub use crate::body::{Body, BodyParameters, BodyState, Placed};
 pub use crate::carried::Carried;
+pub use crate::flyer::{FluidLoad, Flyer, FlyerState, HingeTurn};
 pub use crate::force::{Drag, Force};
 pub use crate::hinge::{RootResponse, force_about, rates_at};
 pub use crate::kinematics::{Freedoms, Kinematics, Spin, Turn, Vector, join, split};

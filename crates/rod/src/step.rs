@@ -273,6 +273,11 @@ impl Mounted for Rod<3> {
 }
 
 impl Rod<3> {
+    /// Let a body carry the root: a step in time by differences then treats the rod and the body alike.
+    pub fn carry(&mut self) {
+        self.core.carried = true;
+    }
+
     /// Return what the root bears in a step of `duration`, s, under the present loads to the present `base_motion`; the
     /// rod stays as it is ([`structure::root_response`]).
     ///

@@ -79,6 +79,13 @@ pub struct Turn {
     pub angle: f64,
 }
 
+impl Turn {
+    /// Return the axis as a unit vector.
+    pub fn unit_axis(&self) -> [f64; 3] {
+        self.axis.map(|part| part / norm(self.axis))
+    }
+}
+
 /// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

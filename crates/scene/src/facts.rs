@@ -454,7 +454,7 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         let rates = all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length });
         add(norm(rates), "drive of the root".into(), first_frequency(&all));
     }
-    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.root_motion.as_ref()?))) {
+    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.laws()?))) {
         let arms = wing.mesh.build().nodes.into_iter().map(|node| minus(node, wing.pivot));
         let arm = arms.max_by(|a, b| vector::norm(*a).total_cmp(&vector::norm(*b))).unwrap_or_default();
         let velocity = |t: f64| {

@@ -14,6 +14,7 @@ mod coupling;
 mod facts;
 mod fault;
 mod fluid;
+mod flyer;
 mod json;
 mod law;
 mod law_warnings;
@@ -41,6 +42,7 @@ mod warning;
 mod warnings;
 mod wing;
 mod wing_checks;
+mod wings;
 
 pub use ::method::{
     Axis, Bending, Calibration, Filter, Mask, Precision, Scheme as RodScheme, Section, Slide, Support, Surface,
@@ -55,6 +57,7 @@ pub use fluid::{
     Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe,
     Sponge,
 };
+pub use flyer::{Flyer, FlyerSpring, FreedomName, Hinge, HingeDrive, HingeLaws};
 pub use law::TimeLaw;
 pub use monitor::monitor_text;
 pub use mount::{Freedom, Inertia, Mount};
@@ -69,7 +72,8 @@ pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warning::Warning;
-pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingGroup, WingMesh, WingSupport};
+pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingDrive, WingGroup, WingMesh, WingSupport};
+pub use wings::{NamedWing, WingOfScene};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

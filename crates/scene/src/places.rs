@@ -217,12 +217,12 @@ fn check_ends(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
         fluid.check_place(&format!("fluid.cylinders[{i}].center"), &cylinder.center, faults);
     }
     let beams = scene.beams_with_rods().map(|own| (own.key() + "beam.root", scene.beam_stations(own.beam)));
-    let wing = scene.wing.iter().map(|wing| ("wing.mesh".into(), wing.mesh.build().nodes));
-    for (key, nodes) in beams.chain(wing) {
+    let wings = scene.wings().map(|own| (own.key.clone() + ".mesh", scene.wing_nodes(&own)));
+    for (key, nodes) in beams.chain(wings) {
         let is_outside = |p: &&[f64; 3]| p.iter().zip(&ends).any(|(at, ends)| beyond(*at, *ends) > 0.0);
         if let Some(node) = nodes.iter().find(is_outside) {
             let at: Vec<_> = node[..ends.len()].iter().map(f64::to_string).collect();
-            let what = if key == "wing.mesh" { "node" } else { "station" };
+            let what = if key.ends_with("wing.mesh") { "node" } else { "station" };
             let effect = format!("puts a {what} at ({})", at.join(", "));
             faults.push(Fault::consequence(&key, &effect, &bounds_of("outside the box ", &ends)));
         }
@@ -247,8 +247,8 @@ fn bounds_of(words: &str, ends: &[[f64; 2]]) -> String {
 
 /// Return the surface of the wing at the start; none without triangles.
 fn wing_at_start(scene: &Scene) -> Option<Shape> {
-    let wing = scene.wing.as_ref()?;
-    let (mesh, laws) = (wing.mesh.build(), wing.root_motion.as_ref());
+    let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none())?;
+    let (mesh, laws) = (wing.mesh.build(), wing.laws());
     let nodes = match laws.map(|laws| laws.motion(wing.pivot, 0.0)) {
         Some(moved) => mesh.nodes.into_iter().map(moved).collect(),
         None => mesh.nodes,

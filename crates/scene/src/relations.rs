@@ -7,6 +7,7 @@ use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
 use crate::beam::{Beam, Root};
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
+use crate::flyer;
 use crate::law::TimeLaw;
 use crate::load::Weight;
 use crate::places;
@@ -70,21 +71,28 @@ fn check_name_and_time(scene: &Scene, faults: &mut Faults) {
 
 /// Check which parts the scene has.
 fn check_parts(scene: &Scene, faults: &mut Faults) {
-    if let Some(wing) = &scene.wing {
+    let (several_wings, flies) = (!scene.wings.is_empty(), scene.flyer.is_some());
+    for own in scene.wings() {
+        let wing = own.wing;
         for (key, present) in
             [("beam", scene.beam.is_some()), ("rod", scene.rod.is_some()), ("rods", !scene.rods.is_empty())]
         {
-            faults.forbid(present, key, || "a scene with a wing has no beams and no rods".into());
+            faults.forbid(present && !flies, key, || "a scene with a wing has no beams and no rods".into());
         }
         let flat = scene.fluid.as_ref().is_some_and(|fluid| !fluid.is_space());
-        faults.forbid(flat, "wing", || "the fluid has two dimensions: a wing needs `fluid.box.z`".into());
-        wing.check_at("wing", faults);
+        faults.forbid(flat, &own.key, || "the fluid has two dimensions: a wing needs `fluid.box.z`".into());
+        wing.check_at(&own.key, faults);
         let bare = matches!(&wing.mesh, WingMesh::Triangles { triangles, .. } if triangles.is_empty());
-        faults.require(!bare || scene.fluid.is_none(), "wing.mesh.triangles.triangles", "an empty list", || {
+        let key = format!("{}.mesh.triangles.triangles", own.key);
+        faults.require(!bare || scene.fluid.is_none(), &key, "an empty list", || {
             "the fluid meets the triangles of a wing".into()
         });
     }
-    if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() {
+    check_wings(scene, faults);
+    if let Some(flyer) = &scene.flyer {
+        flyer::check(scene, flyer, faults);
+    }
+    if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() && !several_wings && !flies {
         faults.push(match scene.rods.is_empty() {
             true => Fault::needed("fluid", "a scene needs a fluid, a rod with a beam, or both"),
             false => Fault::needed("fluid", "several rods need a fluid that couples them"),
@@ -116,7 +124,7 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
             "another rod has this name; capital and small letters count as the same".into()
         });
     }
-    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wing.is_some() || several);
+    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wings().next().is_some() || several);
     faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
     if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| coupled && fluid.is_space()) {
         let (step, longest) = (scene.time.communication_step, fluid.time_stepping.max_step);
@@ -128,6 +136,35 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
             "in space it must be momentum".into()
         });
     }
+}
+
+/// Check the list of several wings.
+fn check_wings(scene: &Scene, faults: &mut Faults) {
+    let several = !scene.wings.is_empty();
+    faults.forbid(several && scene.wing.is_some(), "wing", || {
+        "the scene has `wings`; move it into `wings`, or remove one of the two".into()
+    });
+    faults.require(scene.wings.len() != 1, "wings", "a list of one", || {
+        "several wings are at least two: a single wing is `wing` of the scene".into()
+    });
+    if let Some(name) = &scene.this_wing {
+        let known = scene.wings.iter().any(|own| own.name == *name);
+        if faults.forbid(!several, "this_wing", || "the scene has no `wings`".into()) {
+            let names = list(scene.wings.iter().map(|own| &own.name), "and");
+            faults.require(known, "this_wing", quoted(name), || format!("the names in `wings` are {names}"));
+        }
+    }
+    scene.wings.check_at("wings", faults);
+    let mut names: Vec<_> = scene.rods.iter().map(|own| &own.name).collect();
+    for (i, own) in scene.wings.iter().enumerate() {
+        let twice = names.iter().any(|other| other.eq_ignore_ascii_case(&own.name));
+        faults.require(!twice, &format!("wings[{i}].name"), quoted(&own.name), || {
+            "another wing or rod has this name; capital and small letters count as the same".into()
+        });
+        names.push(&own.name);
+    }
+    let alone = several && scene.fluid.is_none() && scene.flyer.is_none();
+    faults.forbid(alone, "wings", || "several wings need a fluid or a flyer that couples them".into());
 }
 
 /// Check a beam against its rod and the rest of the scene.
@@ -263,8 +300,8 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
             reachable(faults, &format!("{}rod.max_step", own.key()), longest);
         }
     }
-    if let Some(longest) = scene.wing.as_ref().and_then(|wing| wing.max_step) {
-        reachable(faults, "wing.max_step", longest);
+    for (key, longest) in scene.wings().filter_map(|own| Some((own.key, own.wing.max_step?))) {
+        reachable(faults, &format!("{key}.max_step"), longest);
     }
     let Some(fluid) = &scene.fluid else { return };
     let TimeStepping { max_step, max_cfl, scheme } = fluid.time_stepping;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::beam::Beam;
-use crate::fault::{Check, Faults};
+use crate::fault::{Check, Faults, list};
 use crate::rod::Rod;
 
 /// One of several rods in a fluid.
@@ -21,7 +21,7 @@ pub struct NamedRod {
 }
 
 /// Pattern of the name of a rod.
-const NAME: &str = "^[A-Za-z][A-Za-z0-9_]{0,39}$";
+pub(crate) const NAME: &str = "^[A-Za-z][A-Za-z0-9_]{0,39}$";
 
 /// Most characters of the name of a rod.
 const NAME_LENGTH: usize = 40;
@@ -31,14 +31,19 @@ const TAKEN: [&str; 2] = ["rod", "fluid"];
 
 impl Check for NamedRod {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        let (key, name) = (format!("{key}.name"), &self.name);
-        let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let begins = name.starts_with(|c: char| c.is_ascii_alphabetic());
-        let good = begins && name.len() <= NAME_LENGTH && name.chars().all(word);
-        faults.require(good, &key, format!("{name:?}"), || {
-            format!("a name is a letter, then letters a-z, A-Z, digits and _, at most {NAME_LENGTH} together")
-        });
-        let taken = TAKEN.into_iter().any(|taken| taken.eq_ignore_ascii_case(name));
-        faults.require(!taken, &key, format!("{name:?}"), || "`rod` and `fluid` are the names of other units".into());
+        check_name(&self.name, &format!("{key}.name"), &TAKEN, faults);
     }
+}
+
+/// Check the name of a unit, which must not be one of those `taken`.
+pub(crate) fn check_name(name: &str, key: &str, taken: &[&str], faults: &mut Faults) {
+    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let begins = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    let good = begins && name.len() <= NAME_LENGTH && name.chars().all(word);
+    faults.require(good, key, format!("{name:?}"), || {
+        format!("a name is a letter, then letters a-z, A-Z, digits and _, at most {NAME_LENGTH} together")
+    });
+    let is_taken = taken.iter().any(|taken| taken.eq_ignore_ascii_case(name));
+    let names = || list(taken.iter().map(|name| format!("`{name}`")), "and");
+    faults.require(!is_taken, key, format!("{name:?}"), || format!("{} are the names of other units", names()));
 }

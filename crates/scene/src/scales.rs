@@ -116,10 +116,11 @@ pub(crate) fn scales(scene: &Scene, stream: Option<[f64; 3]>) -> Vec<(String, Sc
     for own in scene.beams_with_rods() {
         add(own.force_name(), of_beam(scene, &own), Some(own.beam.length), None);
     }
-    if let Some(wing) = &scene.wing {
+    for own in scene.wings() {
+        let (name, wing) = (own.force_name(), own.wing);
         let sized = of_wing(wing, end);
         let mean_chord = mean_chord(&sized, stream.unwrap_or_default());
-        add("wing".into(), sized, Some(mean_chord), wing.reference.as_ref());
+        add(name, sized, Some(mean_chord), wing.reference.as_ref());
     }
     found
 }
@@ -230,7 +231,7 @@ fn of_wing(wing: &Wing, end: f64) -> Sized {
     let apart = if root.is_empty() { axes[0] } else { minus(to, from) };
     let nearest = (0..3).max_by(|a, b| apart[*a].abs().total_cmp(&apart[*b].abs())).unwrap_or(0);
     let heading = axes[nearest].map(|part| part * apart[nearest].signum());
-    let (motion, turn) = of_laws(wing.root_motion.as_ref(), end, heading);
+    let (motion, turn) = of_laws(wing.laws(), end, heading);
     let Mesh { nodes, triangles, .. } = mesh;
     Sized { axes, sides: extents(&nodes), area: mesh::area(&nodes, &triangles), heading, motion, turn }
 }

@@ -6,10 +6,12 @@ use serde::{Deserialize, Serialize};
 use crate::beam::{Beam, Root};
 use crate::coupling::Coupling;
 use crate::fluid::Fluid;
+use crate::flyer::Flyer;
 use crate::reference::Reference;
 use crate::rod::Rod;
 use crate::rods::NamedRod;
 use crate::wing::Wing;
+use crate::wings::NamedWing;
 
 /// Format of the scene files that this version reads; 1 is the format of nervure 0.2.
 pub(crate) const FORMAT: u32 = 2;
@@ -56,6 +58,15 @@ pub struct Scene {
     /// An elastic wing in space, alone or in a fluid of three dimensions.
     #[serde(default)]
     pub wing: Option<Wing>,
+    /// Several elastic wings, each a unit of its own: at least two, in place of `wing`.
+    #[serde(default)]
+    pub wings: Vec<NamedWing>,
+    /// Name of one of `wings`, in the scene that the unit of this wing carries; absent elsewhere.
+    #[serde(default)]
+    pub this_wing: Option<String>,
+    /// A free rigid body that carries wings and rods in space.
+    #[serde(default)]
+    pub flyer: Option<Flyer>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.
     #[serde(default)]
     pub coupling: Option<Coupling>,

@@ -125,8 +125,8 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
         let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", 2.0 * half_thickness);
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
-    let wing = scene.wing.as_ref().map(|wing| {
-        let (mesh, laws) = (wing.mesh.build(), wing.root_motion.as_ref());
+    let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none()).map(|wing| {
+        let (mesh, laws) = (wing.mesh.build(), wing.laws());
         let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
         let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", f64::INFINITY);
         Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
@@ -268,7 +268,7 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Moving]) -> Option<Warning> {
 fn carried_along(scene: &Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Option<Warning> {
     let driven = fluid.mean_flow.is_some() || fluid.inflow.is_some() || fluid.sponge.is_some();
     let is_held = |own: Obstacle| own.body.mount.is_none();
-    let parts = scene.wing.is_some() || scene.beams().next().is_some() || fluid.obstacles().any(is_held);
+    let parts = scene.wings().next().is_some() || scene.beams().next().is_some() || fluid.obstacles().any(is_held);
     if driven || parts || fluid.channel.is_some() {
         return None;
     }
@@ -289,7 +289,8 @@ fn symmetry(
     reynolds: Option<f64>,
 ) -> Option<Warning> {
     let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()))
-        || scene.wing.as_ref().is_some_and(|wing| wing.root_motion.is_some());
+        || scene.wings().any(|own| own.wing.root_motion.is_some())
+        || scene.flyer.is_some();
     if parts.is_empty() || driven || fluid.disturbance.is_some() {
         return None;
     }

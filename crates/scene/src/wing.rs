@@ -5,6 +5,7 @@ use method::Scheme;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use crate::body::ByMaster;
 use crate::fault::{Check, Fault, Faults, list};
 use crate::root::RootLaws;
 use crate::scales::ReferenceScales;
@@ -37,7 +38,7 @@ pub struct Wing {
     pub support: WingSupport,
     /// Motion of the base from its place at rest; rotations are about `pivot`. Absent: at rest.
     #[serde(default)]
-    pub root_motion: Option<RootLaws>,
+    pub root_motion: Option<WingDrive>,
     /// Centre of the rotations of the base, m.
     #[serde(default)]
     pub pivot: [f64; 3],
@@ -58,6 +59,18 @@ pub struct Wing {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub max_step: Option<f64>,
+}
+
+/// What moves the base of a wing: laws of time, or the word `master`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(clippy::large_enum_variant, reason = "a wing has one")]
+pub enum WingDrive {
+    /// Laws of time.
+    Laws(RootLaws),
+    /// The master.
+    Master(ByMaster),
 }
 
 /// Mesh of a wing. Chains are named lines of nodes.
@@ -294,6 +307,11 @@ impl Region {
 }
 
 impl Wing {
+    /// Return the laws of its base, if it has such.
+    pub fn laws(&self) -> Option<&RootLaws> {
+        if let Some(WingDrive::Laws(laws)) = &self.root_motion { Some(laws) } else { None }
+    }
+
     /// Return the material of each triangle of the built mesh: 0 for `membrane`, 1 and more for the `regions` in order;
     /// empty without regions.
     pub fn materials(&self, mesh: &Mesh) -> Vec<usize> {
@@ -330,7 +348,7 @@ impl Check for Wing {
         }
         let moves = self.root_motion.is_some() && self.root.is_none();
         faults.forbid(moves, &format!("{key}.root_motion"), || "a free wing has no `root`".into());
-        if let Some(laws) = &self.root_motion {
+        if let Some(laws) = self.laws() {
             laws.check_at(&format!("{key}.root_motion"), faults);
         }
         match &self.mesh {

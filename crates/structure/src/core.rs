@@ -12,6 +12,8 @@ pub struct Core<const D: usize, M> {
     pub rest: Vec<Vector<D>>,
     /// Held nodes.
     pub held: Vec<bool>,
+    /// Whether a body carries the root: held nodes then accelerate by the scheme, as that body does.
+    pub carried: bool,
     /// Weights, N.
     pub weights: Vec<Vector<D>>,
     /// State.
@@ -57,6 +59,7 @@ impl<const D: usize, M: Clone> Core<D, M> {
             scheme,
             max_step,
             held,
+            carried: false,
             weights,
             before: state.clone(),
             before_substep: state.clone(),
@@ -137,7 +140,9 @@ impl<const D: usize, M: Clone> Core<D, M> {
         for k in 0..self.rest.len() {
             let now = self.state.motion(k);
             let [x, v, a] = if self.held[k] {
-                place(self.rest[k])
+                let [x, v, a] = place(self.rest[k]);
+                let differenced = if self.carried { rule.acceleration(now, v) } else { None };
+                [x, v, differenced.unwrap_or(a)]
             } else {
                 let (v, a) = rule.at_no_displacement(now);
                 [now.x + now.v * dt + now.a * (0.5 * dt * dt), v, a]

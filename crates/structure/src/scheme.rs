@@ -139,6 +139,18 @@ impl StepRule {
         }
     }
 
+    /// Return the acceleration at the end of a step that ends with the velocity `v`; only of differences.
+    #[inline(always)]
+    pub(crate) fn acceleration<V>(&self, now: Motion<V>, v: V) -> Option<V>
+    where
+        V: Copy + Sub<Output = V> + Mul<f64, Output = V>,
+    {
+        match self.history {
+            History::Differences { new, old } => Some((v - now.v) * new - (now.v - now.previous_v) * old),
+            History::Newmark { .. } => None,
+        }
+    }
+
     /// Return the velocity v* and the acceleration a* at the end of a step without displacement, u = 0.
     #[inline(always)]
     pub fn at_no_displacement<V>(&self, now: Motion<V>) -> (V, V)

@@ -216,6 +216,11 @@ impl Mounted for Wing {
 }
 
 impl Wing {
+    /// Let a body carry the root: a step in time by differences then treats the wing and the body alike.
+    pub fn carry(&mut self) {
+        self.core.carried = true;
+    }
+
     /// Return what the root bears in a step of `duration`, s, under the present loads to the present `base_motion`; the
     /// wing stays as it is ([`structure::root_response`]).
     ///

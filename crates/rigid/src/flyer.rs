@@ -1,0 +1,125 @@
+//! A free body with what it carries at its hinges.
+
+use std::array::from_fn;
+
+use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+
+use crate::body::{Body, BodyState, Placed};
+use crate::force::Drag;
+use crate::hinge::{RootResponse, force_about, rates_at};
+use crate::kinematics::{Freedoms, join};
+use crate::step::Mass;
+
+/// Turn of a hinge and its rate, in the axes of the body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HingeTurn {
+    /// Turn from rest.
+    pub turn: UnitQuaternion<f64>,
+    /// Angular velocity, rad/s.
+    pub rate: Vector3<f64>,
+}
+
+/// What the fluid does to a body.
+#[derive(Clone, Copy, Debug)]
+pub struct FluidLoad {
+    /// Force and moment about the pivot if the body keeps its velocities, and how they fall with them.
+    pub drag: Drag<3>,
+    /// The displaced fluid.
+    pub displaced: Mass<3>,
+}
+
+impl Default for FluidLoad {
+    fn default() -> Self {
+        Self { drag: Drag::default(), displaced: Mass { mass: 0.0, inertia: [[0.0; 3]; 3], arm: Vector3::zeros() } }
+    }
+}
+
+/// A free body with hinges.
+#[derive(Clone, Debug)]
+pub struct Flyer {
+    body: Body,
+    /// Hinges from the pivot, in the axes of the body, m.
+    hinges: Vec<Vector3<f64>>,
+    /// Force along the freedoms that the last step assumed of all that the body carries.
+    assumed: Freedoms,
+}
+
+/// State of a body with hinges between two steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FlyerState {
+    /// State of the body.
+    pub body: BodyState,
+    /// See [`Flyer::step`].
+    pub assumed: Freedoms,
+}
+
+impl Flyer {
+    /// Return a `body` with `hinges` at these places from the pivot, in the axes of the body, m.
+    pub fn new(body: Body, hinges: Vec<Vector3<f64>>) -> Self {
+        Self { body, hinges, assumed: [0.0; 6] }
+    }
+
+    /// Return the body.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Put the body in a place, before a first step.
+    pub fn place(&mut self, now: Placed) {
+        self.body.place(now);
+        self.assumed = [0.0; 6];
+    }
+
+    /// Return the state.
+    pub fn state(&self) -> FlyerState {
+        FlyerState { body: self.body.state, assumed: self.assumed }
+    }
+
+    /// Continue from a state.
+    pub fn restore(&mut self, state: &FlyerState) {
+        (self.body.state, self.assumed) = (state.body, state.assumed);
+    }
+
+    /// Return the root of what hinge `k` carries, on the body `at` a place.
+    pub fn root(&self, k: usize, at: &Placed, hinge: &HingeTurn) -> Placed {
+        at.hinged(&self.hinges[k], &hinge.turn, &hinge.rate)
+    }
+
+    /// Advance by `h` seconds.
+    ///
+    /// `responses` are what the hinges bear in this step if the body moves as its reference, `reactions` what they bore
+    /// at the end of the last step.
+    pub fn step(&mut self, h: f64, responses: &[RootResponse], reactions: &[Freedoms], fluid: &FluidLoad) {
+        let reference = self.body.reference(h);
+        let known = reference.rates();
+        let mut load = fluid.drag;
+        // The fluid announces its force for a body that keeps its velocities.
+        let (kept, impedance) = (self.body.state.now.rates(), fluid.drag.impedance);
+        let falls = RootResponse { reaction: join::<3>(&load.force.force, load.force.moment), impedance };
+        let mut forces = falls.at(&from_fn(|i| known[i] - kept[i]));
+        if self.body.state.last_step > 0.0 {
+            forces = from_fn(|i| forces[i] - self.assumed[i]);
+            for (hinge, reaction) in self.hinges.iter().zip(reactions) {
+                let borne = force_about(&(self.body.state.now.orientation * hinge), reaction);
+                forces = from_fn(|i| forces[i] + borne[i]);
+            }
+        }
+        load.force.force = Vector3::new(forces[0], forces[1], forces[2]);
+        load.force.moment = Vector3::new(forces[3], forces[4], forces[5]);
+        let arms = self.hinges.iter().map(|hinge| reference.orientation * hinge);
+        for (response, arm) in responses.iter().zip(arms.clone()) {
+            load.add_root(response, &arm);
+        }
+        let gravity = self.body.parameters().gravity;
+        let lift = -fluid.displaced.mass * gravity;
+        self.body.step(h, &load, &fluid.displaced, &join::<3>(&lift, fluid.displaced.arm.cross(&lift)));
+        let rates = self.body.state.now.rates();
+        let change: Freedoms = from_fn(|i| rates[i] - known[i]);
+        self.assumed = [0.0; 6];
+        for (response, arm) in responses.iter().zip(arms) {
+            let assumed = force_about(&arm, &response.at(&rates_at(&arm, &change)));
+            self.assumed = from_fn(|i| self.assumed[i] + assumed[i]);
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! A free rigid body that carries wings and rods at driven hinges.
+
+use geometry::vector::turned;
+use method::Support;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::body::{BodyDrive, ByMaster, Turn};
+use crate::fault::{Check, Fault, Faults, list};
+use crate::law::TimeLaw;
+use crate::mount::Inertia;
+use crate::root::RootSupport;
+use crate::scene::Scene;
+
+/// A free rigid body in space, the unit `body`. It moves in all directions that `held` does not name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Flyer {
+    /// Mass, kg, without what it carries.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub mass: f64,
+    /// Moment of inertia about the centre of mass, kg m²: one number, or one for each axis of the body.
+    pub inertia: Inertia,
+    /// Products of inertia −∫ y z, −∫ z x and −∫ x y about the centre of mass, in the axes of the body, kg m².
+    #[serde(default)]
+    pub products_of_inertia: [f64; 3],
+    /// Centre of mass from the pivot, in the axes of the body, m.
+    #[serde(default)]
+    pub centre_of_mass: [f64; 3],
+    /// Place of the pivot at the start, m. The axes of the body are then those of the box.
+    #[serde(default)]
+    pub position: [f64; 3],
+    /// Velocity at the start, m/s.
+    #[serde(default)]
+    pub velocity: [f64; 3],
+    /// Angular velocity at the start, rad/s.
+    #[serde(default)]
+    pub angular_velocity: [f64; 3],
+    /// Directions in which it cannot move.
+    #[serde(default)]
+    pub held: Vec<FreedomName>,
+    /// Springs and dampers, each in one direction.
+    #[serde(default)]
+    pub springs: Vec<FlyerSpring>,
+    /// Gravity, m/s², for the body alone: wings and rods have their own.
+    #[serde(default)]
+    pub gravity: [f64; 3],
+    /// Number of the body of `fluid.bodies` that has its shape, from 0, with `"motion": "master"`; absent for a body
+    /// that the fluid does not feel.
+    #[serde(default)]
+    pub shape: Option<usize>,
+    /// What it carries.
+    pub hinges: Vec<Hinge>,
+}
+
+/// A direction in which a body moves or turns about its pivot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FreedomName {
+    /// Along x.
+    X,
+    /// Along y.
+    Y,
+    /// Along z.
+    Z,
+    /// About x.
+    AngleX,
+    /// About y.
+    AngleY,
+    /// About z.
+    AngleZ,
+}
+
+/// A spring with a damper in one direction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FlyerSpring {
+    /// Direction.
+    pub along: FreedomName,
+    /// Spring and damper.
+    pub support: Support,
+}
+
+/// A driven hinge with a wing or a rod.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hinge {
+    /// Unit that it carries: `wing`, `rod`, or a name of `wings` or `rods`.
+    pub carries: String,
+    /// Place from the pivot of the body, in its axes, m: there is the `pivot` of the wing, or the root of the rod.
+    pub position: [f64; 3],
+    /// Turn from the axes of the wing's mesh, or from the direction of the rod's beam, to those of the body.
+    #[serde(default)]
+    pub turn: Option<Turn>,
+    /// Angles of the hinge; absent, they stay 0.
+    #[serde(default)]
+    pub motion: Option<HingeDrive>,
+}
+
+/// What moves a hinge: laws of its angles, or the word `master`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(clippy::large_enum_variant, reason = "a hinge has one")]
+pub enum HingeDrive {
+    /// Laws of time.
+    Laws(HingeLaws),
+    /// The master.
+    Master(ByMaster),
+}
+
+/// Angles of a hinge about the axes of what it carries: first pitch about x, then deviation about y, then stroke
+/// about z.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HingeLaws {
+    /// Angle about z, rad.
+    #[serde(default)]
+    pub stroke: TimeLaw,
+    /// Angle about y, rad.
+    #[serde(default)]
+    pub deviation: TimeLaw,
+    /// Angle about x, rad.
+    #[serde(default)]
+    pub pitch: TimeLaw,
+}
+
+impl HingeLaws {
+    /// Return stroke, deviation and pitch, rad, with their rates, rad/s, at time `t`, s.
+    pub fn angles(&self, t: f64) -> [(f64, f64); 3] {
+        [&self.stroke, &self.deviation, &self.pitch].map(|law| law.value_and_rate(t))
+    }
+}
+
+impl Hinge {
+    /// Return its laws, if it has such.
+    pub fn laws(&self) -> Option<&HingeLaws> {
+        if let Some(HingeDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
+    }
+
+    /// Return whether the master sets its angles.
+    pub fn is_driven(&self) -> bool {
+        matches!(self.motion, Some(HingeDrive::Master(_)))
+    }
+
+    /// Return a vector of the wing's mesh at the start, in the axes of the body.
+    pub fn at_start(&self, vector: [f64; 3]) -> [f64; 3] {
+        let [stroke, deviation, pitch] = self.laws().map_or([0.0; 3], |laws| laws.angles(0.0).map(|(angle, _)| angle));
+        let turns = [([1.0, 0.0, 0.0], pitch), ([0.0, 1.0, 0.0], deviation), ([0.0, 0.0, 1.0], stroke)];
+        let hinged = turns.into_iter().fold(vector, |vector, (axis, angle)| turned(vector, axis, angle));
+        self.turn.as_ref().map_or(hinged, |turn| turned(hinged, turn.unit_axis(), turn.angle))
+    }
+}
+
+impl Scene {
+    /// Return the hinge that carries a unit.
+    pub fn hinge_of(&self, unit: &str) -> Option<&Hinge> {
+        self.flyer.as_ref()?.hinges.iter().find(|hinge| hinge.carries == unit)
+    }
+
+    /// Return the place of a hinge at the start, m.
+    pub fn place_of(&self, hinge: &Hinge) -> [f64; 3] {
+        let origin = self.flyer.as_ref().map_or([0.0; 3], |flyer| flyer.position);
+        std::array::from_fn(|d| origin[d] + hinge.position[d])
+    }
+}
+
+/// Check the body of a scene with a flyer against its other parts.
+pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
+    if let Some(fluid) = &scene.fluid {
+        faults.forbid(!fluid.is_space(), "flyer", || "the fluid has two dimensions: it needs `fluid.box.z`".into());
+    }
+    let [x, y, z] = match flyer.inertia {
+        Inertia::Same(about) => [about; 3],
+        Inertia::Each(about) => about,
+    };
+    let [yz, zx, xy] = flyer.products_of_inertia;
+    // All leading minors are above 0.
+    let is_positive = x > 0.0
+        && x * y - xy * xy > 0.0
+        && x * (y * z - yz * yz) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx) > 0.0;
+    faults.require(is_positive, "flyer.inertia", flyer.inertia, || "each axis has a moment of inertia > 0".into());
+    if let Some(shape) = flyer.shape {
+        let bodies = scene.fluid.as_ref().map_or(&[][..], |fluid| &fluid.bodies);
+        let is_driven = |k: usize| bodies.get(k).is_some_and(|body| matches!(body.motion, Some(BodyDrive::Master(_))));
+        faults.require(is_driven(shape), "flyer.shape", shape, || {
+            "it is the number, from 0, of a body of `fluid.bodies` with `\"motion\": \"master\"`".into()
+        });
+    }
+    let mut units: Vec<String> = scene.wings().map(|own| own.name.to_string()).collect();
+    units.extend(scene.beams_with_rods().map(|own| own.name.unwrap_or("rod").to_string()));
+    for (i, hinge) in flyer.hinges.iter().enumerate() {
+        let key = format!("flyer.hinges[{i}]");
+        hinge.check_at(&key, faults);
+        let (key, shown) = (format!("{key}.carries"), format!("{:?}", hinge.carries));
+        faults.require(units.contains(&hinge.carries), &key, &shown, || match units.is_empty() {
+            true => "the scene has no wing and no rod".into(),
+            false => format!("the units of the scene are {}", list(&units, "and")),
+        });
+        let twice = flyer.hinges[..i].iter().any(|other| other.carries == hinge.carries);
+        faults.require(!twice, &key, &shown, || "another hinge carries it".into());
+    }
+    let carried = |name: &str| scene.hinge_of(name).is_some();
+    for own in scene.wings().filter(|own| carried(own.name)) {
+        let (wing, key) = (own.wing, &own.key);
+        if wing.root.is_none() {
+            faults.push(Fault::needed(&format!("{key}.root"), "a hinge carries the wing at its root"));
+        }
+        let moved = wing.root_motion.is_some();
+        faults.forbid(moved, &format!("{key}.root_motion"), || "a hinge of the flyer moves the root".into());
+        check_scheme(key, wing.scheme, wing.max_step, faults);
+    }
+    for own in scene.beams_with_rods().filter(|own| carried(own.name.unwrap_or("rod"))) {
+        let Some(rod) = own.rod else { continue };
+        let key = format!("{}rod", own.key());
+        let moved = rod.root_motion.is_some();
+        faults.forbid(moved, &format!("{key}.root_motion"), || "a hinge of the flyer moves the root".into());
+        let is_clamped = matches!(rod.root, RootSupport::Clamped);
+        faults.require(is_clamped && rod.slide.is_none(), &format!("{key}.root"), "another support", || {
+            "a hinge carries a rod that is clamped to it".into()
+        });
+        let flat = scene.dimension(own.beam) == 2;
+        faults.forbid(flat, &format!("{}beam.root", own.key()), || {
+            "a flyer has three dimensions: position and direction need three components".into()
+        });
+        check_scheme(&key, rod.scheme, rod.max_step, faults);
+    }
+}
+
+/// Check that a part steps as the body that carries it, once in a communication step.
+fn check_scheme(key: &str, scheme: method::Scheme, max_step: Option<f64>, faults: &mut Faults) {
+    let differences = scheme == method::Scheme::Bdf2;
+    faults.require(differences, &format!("{key}.scheme"), format!("{scheme:?}"), || {
+        "what a flyer carries steps as its body: it must be bdf2".into()
+    });
+    faults.forbid(max_step.is_some(), &format!("{key}.max_step"), || {
+        "what a flyer carries steps as its body, once in a communication step".into()
+    });
+}
+
+impl Check for Hinge {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        if let Some(turn) = &self.turn {
+            faults.direction(&format!("{key}.turn.axis"), &turn.axis);
+        }
+        if let Some(laws) = self.laws() {
+            for (name, law) in [("stroke", &laws.stroke), ("deviation", &laws.deviation), ("pitch", &laws.pitch)] {
+                law.check_at(&format!("{key}.motion.{name}"), faults);
+            }
+        }
+    }
+}
