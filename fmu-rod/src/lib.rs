@@ -11,7 +11,7 @@ use rod::{RootSupport, Statistics};
 use scene::Scene;
 
 use body::BodyState;
-use unit::RodUnit;
+use unit::{Announced, ROUNDING, RodUnit};
 
 /// Memory of a rod in space with its scratch, rounded up, bytes per station.
 const BYTES_PER_STATION: usize = 4000;
@@ -33,7 +33,8 @@ impl Model for RodUnit {
         };
         require_memory(BYTES_PER_STATION * (beam.segments + 1))?;
         let name = if whole.rods.is_empty() { format!("{}.rod", scene.name) } else { scene.name.clone() };
-        Self::new(name, scene, (beam, rod), load).map_err(|e| e.to_string())
+        let hinge = whole.hinge_of(whole.this_rod.as_deref().unwrap_or("rod"));
+        Self::new(name, scene, (beam, rod), load, hinge).map_err(|e| e.to_string())
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -64,6 +65,7 @@ impl Model for RodUnit {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
+        self.mark_stale();
         self.apply_parameters().map_err(|e| e.to_string())?;
         self.place(start).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())?;
         log.info(format_args!("{} stations, start at t = {start} s", self.stations()));
@@ -72,6 +74,11 @@ impl Model for RodUnit {
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
+        if let Some(Announced { step, .. }) = self.response
+            && (h - step).abs() > ROUNDING * h
+        {
+            return Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"));
+        }
         RodUnit::step(self, t, h).map_err(|e| format!("{e}, {}", span()))?;
         let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } = self.body().statistics();
         if rescues > 0 || negative_pivots > 0 || halvings > 0 {
@@ -93,6 +100,7 @@ impl Model for RodUnit {
     }
 
     fn restore(&mut self, state: &BodyState) -> Result<(), String> {
+        self.mark_stale();
         self.apply_parameters().map_err(|e| e.to_string())?;
         self.body_mut().restore(state)?;
         self.copy_to_outputs().map_err(|e| e.to_string())

@@ -1,9 +1,9 @@
 //! The unit: a rod with its scene, inputs and results.
 
-use rod::{BaseMotion, Energy, Error, Loads, RootSupport};
-use scene::{Beam, RootMotion, Scene};
+use rod::{BaseMotion, Energy, Error, Loads, RootResponse, RootSupport};
+use scene::{Beam, FlyerHinge, RootMotion, Scene};
 
-use crate::body::{Body, Plan, either};
+use crate::body::{Body, Dimensions, Plan, either};
 use crate::from_scene;
 use crate::parameters::Parameters;
 
@@ -28,7 +28,25 @@ pub struct RodUnit {
     /// Name of the load from a fluid and the reason for the choice; empty without a fluid.
     pub load: [String; 2],
     pub energy: Energy,
+    /// Response of the root, if a body carries the rod.
+    pub response: Option<Announced>,
 }
+
+/// What the rod announces to a body that carries it.
+#[derive(Clone, Copy)]
+pub struct Announced {
+    /// Length of the coming step, s.
+    pub step: f64,
+    /// Whether inputs or state have changed since it was found.
+    is_stale: bool,
+    found: RootResponse,
+}
+
+/// A response that could not be found.
+const UNKNOWN: RootResponse = RootResponse { reaction: [f64::NAN; 6], impedance: [[f64::NAN; 6]; 6] };
+
+/// Relative difference of a step from the announced one that counts as rounding.
+pub const ROUNDING: f64 = 1e-9;
 
 /// Motion of the root as inputs of a master that drives it.
 #[derive(Clone, Copy)]
@@ -56,7 +74,17 @@ fn base_motion<const D: usize>(vectors: BaseVectors) -> BaseMotion<D> {
 
 impl RodUnit {
     /// Return the unit without its body.
-    pub fn new(name: String, scene: Scene, (beam, rod): (Beam, scene::Rod), load: [String; 2]) -> Result<Self, Error> {
+    pub fn new(
+        name: String,
+        scene: Scene,
+        (beam, mut rod): (Beam, scene::Rod),
+        load: [String; 2],
+        hinge: Option<&FlyerHinge>,
+    ) -> Result<Self, Error> {
+        if hinge.is_some() {
+            rod.root_motion = Some(RootMotion::Master);
+        }
+        let step = scene.time.communication_step;
         let plan = Plan::of(&scene, &beam, &rod);
         either!(&plan, parameters => parameters.check()?);
         let (position, direction) = scene.beam_root(&beam);
@@ -74,6 +102,7 @@ impl RodUnit {
             rod,
             plan,
             body: None,
+            response: hinge.map(|_| Announced { step, is_stale: true, found: UNKNOWN }),
         })
     }
 
@@ -98,6 +127,9 @@ impl RodUnit {
 
     fn set_body(&mut self, mut body: Body) {
         either!(&mut body, rod => rod.loads = self.loads.clone());
+        if let (Some(_), Dimensions::Spatial(rod)) = (self.response, &mut body) {
+            rod.carry();
+        }
         self.body = Some(body);
     }
 
@@ -116,6 +148,7 @@ impl RodUnit {
 
     /// Return component `axis` of the nodal forces.
     pub fn force_mut(&mut self, axis: usize) -> &mut [f64] {
+        self.mark_stale();
         let stations = self.stations();
         &mut self.loads.force[axis * stations..(axis + 1) * stations]
     }
@@ -157,6 +190,34 @@ impl RodUnit {
         })
     }
 
+    /// Return the motion of the root that a master sets.
+    pub fn base_mut(&mut self) -> &mut BaseInputs {
+        self.mark_stale();
+        &mut self.base
+    }
+
+    /// Find the response of the root anew where it is read again.
+    pub fn mark_stale(&mut self) {
+        if let Some(response) = &mut self.response {
+            response.is_stale = true;
+        }
+    }
+
+    /// Return the response of the root in the coming step, with numbers that are none where the step fails.
+    pub fn response(&mut self) -> &RootResponse {
+        let base = self.base_at(0.0);
+        let Self { response: Some(response), body: Some(Dimensions::Spatial(rod)), loads, .. } = self else {
+            return &UNKNOWN;
+        };
+        if response.is_stale {
+            rod.base_motion = base.map(base_motion);
+            rod.loads.copy_from(loads);
+            response.found = rod.root_response(response.step).unwrap_or(UNKNOWN);
+            response.is_stale = false;
+        }
+        &response.found
+    }
+
     /// Place the rod at rest with its root in the state of time `t`, if the root moves.
     pub fn place(&mut self, t: f64) -> Result<(), Error> {
         match self.base_at(t) {
@@ -167,6 +228,7 @@ impl RodUnit {
 
     /// Advance from `t` to `t + h`.
     pub fn step(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        self.mark_stale();
         if let Some(base) = self.base_at(t + h) {
             either!(self.body_mut(), rod => rod.base_motion = Some(base_motion(base)));
         }

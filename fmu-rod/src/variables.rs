@@ -38,6 +38,9 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
         ]);
     }
     list.extend(energy_and_newton_outputs(unit).map(at_the_end));
+    if unit.response.is_some() {
+        list.extend(response());
+    }
     list
 }
 
@@ -131,7 +134,10 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
             "impedance",
             per(unit, "kg/s", "kg/(m.s)"),
             "Decrease of the load per velocity of the station",
-            |m| &mut m.loads.impedance,
+            |m| {
+                m.mark_stale();
+                &mut m.loads.impedance
+            },
         )
         .at_least(0.0)
         .array(loads.impedance.len()),
@@ -156,11 +162,11 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     };
     list.extend(driven(&|d, axis| {
         let text = "Position of the root at the end of the step";
-        Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.base.position[d]))
+        Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.base_mut().position[d]))
     }));
     list.extend(driven(&|d, axis| {
         let text = "Velocity of the root at the end of the step";
-        Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.base.velocity[d]))
+        Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.base_mut().velocity[d]))
     }));
     if unit.support() == RootSupport::Pinned {
         return list;
@@ -174,13 +180,32 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     }
     list.extend(along_axes(unit, |d, axis| {
         let text = "Direction of the beam at the root, of any length";
-        Real::input(format!("root.direction.{axis}"), "1", text, move |m| from_mut(&mut m.base.direction[d]))
+        Real::input(format!("root.direction.{axis}"), "1", text, move |m| from_mut(&mut m.base_mut().direction[d]))
     }));
     list.extend(along_axes(unit, |d, axis| {
         let (name, text) = (format!("root.direction_rate.{axis}"), "Rate of the direction at the root");
-        Real::input(name, "1/s", text, move |m| from_mut(&mut m.base.direction_rate[d]))
+        Real::input(name, "1/s", text, move |m| from_mut(&mut m.base_mut().direction_rate[d]))
     }));
     list
+}
+
+/// Return what the rod announces to a body that carries it.
+fn response() -> [Variable; 3] {
+    [
+        Real::input("root.step", "s", "Length of the coming step", |m| {
+            m.mark_stale();
+            m.response.as_mut().map_or(&mut [], |response| from_mut(&mut response.step))
+        })
+        .above(0.0),
+        Real::output("root.reaction", "1", "Force, N, and moment, N m, on the body in the coming step", |m| {
+            &m.response().reaction
+        })
+        .array(6),
+        Real::output("root.impedance", "1", "Rows of the rate at which they fall with the root's velocities", |m| {
+            m.response().impedance.as_flattened()
+        })
+        .array(36),
+    ]
 }
 
 /// Return the motion of the stations and of the tip, and force, power and work of the loads.

@@ -4,8 +4,8 @@ mod from_scene;
 mod variables;
 
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
-use scene::Scene;
-use wing::{Energy, Error, Loads, Membrane, Statistics, Wing};
+use scene::{Scene, WingDrive};
+use wing::{Energy, Error, Loads, Membrane, RigidMotion, RootResponse, Statistics, Wing};
 
 /// Memory of a wing with its matrix, rounded up, bytes per node of a large mesh.
 const BYTES_PER_NODE: usize = 20_000;
@@ -18,6 +18,12 @@ const BUILT: &str = "an instance has a solver";
 pub struct WingUnit {
     scene: Scene,
     own: scene::Wing,
+    /// Name of the unit.
+    name: String,
+    /// Base at the end of the next step, if the master or a body moves it.
+    base: Option<Base>,
+    /// Response of the root, if a body carries the wing.
+    response: Option<Announced>,
     parameters: Parameters,
     /// Parameters of the wing that is built of them.
     rest: wing::Parameters,
@@ -32,6 +38,32 @@ pub struct WingUnit {
     tip: usize,
 }
 
+/// Base that the master moves.
+#[derive(Clone, Copy)]
+struct Base {
+    position: [f64; 3],
+    velocity: [f64; 3],
+    /// Rows of the rotation from rest.
+    rotation: [f64; 9],
+    omega: [f64; 3],
+}
+
+/// What the wing announces to a body that carries it.
+#[derive(Clone, Copy)]
+struct Announced {
+    /// Length of the coming step, s.
+    step: f64,
+    /// Whether inputs or state have changed since it was found.
+    is_stale: bool,
+    found: RootResponse,
+}
+
+/// A response that could not be found.
+const UNKNOWN: RootResponse = RootResponse { reaction: [f64::NAN; 6], impedance: [[f64::NAN; 6]; 6] };
+
+/// Relative difference of a step from the announced one that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Parameters that a master may set before the start.
 #[derive(Clone, Copy)]
 pub struct Parameters {
@@ -43,7 +75,26 @@ pub struct Parameters {
 }
 
 impl WingUnit {
-    fn new(scene: Scene, own: scene::Wing) -> Result<Self, String> {
+    fn new(scene: Scene) -> Result<Self, String> {
+        let Some(of_scene) = scene.wing_of_unit() else {
+            return Err(match scene.wings.is_empty() {
+                true => format!("the scene {:?} has no wing", scene.name),
+                false => "the scene has several wings, but no key `this_wing` selects one of them".into(),
+            });
+        };
+        let (own, name) = (of_scene.wing.clone(), of_scene.name.to_string());
+        let (hinge, is_driven) = (scene.hinge_of(&name), matches!(own.root_motion, Some(WingDrive::Master(_))));
+        let base = (hinge.is_some() || is_driven).then(|| Base {
+            position: hinge.map_or(own.pivot, |hinge| scene.place_of(hinge)),
+            velocity: [0.0; 3],
+            rotation: std::array::from_fn(|i| {
+                let axis = std::array::from_fn(|d| if d == i % 3 { 1.0 } else { 0.0 });
+                hinge.map_or(axis, |hinge| hinge.at_start(axis))[i / 3]
+            }),
+            omega: [0.0; 3],
+        });
+        let step = scene.time.communication_step;
+        let response = hinge.map(|_| Announced { step, is_stale: true, found: UNKNOWN });
         let rest = from_scene::parameters(&own, scene.fluid.as_ref());
         let nodes = rest.mesh.nodes.len();
         require_memory(BYTES_PER_NODE * nodes)?;
@@ -64,6 +115,9 @@ impl WingUnit {
             damping_power: 0.0,
             crossings: 0,
             wing: None,
+            name,
+            base,
+            response,
             rest,
             scene,
             own,
@@ -102,15 +156,57 @@ impl WingUnit {
 
     fn set_wing(&mut self, mut wing: Wing) {
         wing.loads = self.loads.clone();
+        if self.response.is_some() {
+            wing.carry();
+        }
         self.wing = Some(wing);
     }
 
     /// Place the wing at rest on its base, in the state of the base at time `t`, if the base moves.
     fn place(&mut self, t: f64) -> Result<(), Error> {
-        match &self.own.root_motion {
-            Some(laws) => self.wing.as_mut().expect(BUILT).place(from_scene::pose(laws, t)),
+        match self.base_at(t) {
+            Some(base) => self.wing_mut().place(base),
             None => Ok(()),
         }
+    }
+
+    /// Return the state of the base at time `t`; `None` for a base at rest, and for a free wing.
+    fn base_at(&self, t: f64) -> Option<RigidMotion> {
+        let Some(Base { position, velocity, rotation, omega }) = self.base else {
+            return self.own.laws().map(|laws| from_scene::pose(laws, t));
+        };
+        Some(RigidMotion {
+            displacement: std::array::from_fn(|d| position[d] - self.own.pivot[d]),
+            velocity,
+            rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[3 * i + j])),
+            angular_velocity: omega,
+        })
+    }
+
+    /// Return the base that the master moves, to be set.
+    fn base_mut(&mut self) -> &mut Base {
+        self.mark_stale();
+        self.base.as_mut().expect("there are inputs of a base")
+    }
+
+    /// Find the response of the root anew where it is read again.
+    fn mark_stale(&mut self) {
+        if let Some(response) = &mut self.response {
+            response.is_stale = true;
+        }
+    }
+
+    /// Return the response of the root in the coming step, with numbers that are none where the step fails.
+    fn response(&mut self) -> &RootResponse {
+        let base = self.base_at(0.0);
+        let Self { response: Some(response), wing: Some(wing), loads, .. } = self else { return &UNKNOWN };
+        if response.is_stale {
+            wing.base_motion = base;
+            wing.loads.copy_from(loads);
+            response.found = wing.root_response(response.step).unwrap_or(UNKNOWN);
+            response.is_stale = false;
+        }
+        &response.found
     }
 
     /// Compute what several outputs read, or what a step may fail to give.
@@ -130,9 +226,7 @@ impl Model for WingUnit {
     type State = wing::WingState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
-        let Some(own) = scene.wing.clone() else { return Err(format!("the scene {:?} has no wing", scene.name)) };
-        Self::new(scene, own)
+        Self::new(Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?)
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -142,7 +236,7 @@ impl Model for WingUnit {
 
     fn description(&self) -> Description {
         Description {
-            model_name: format!("{}.wing", self.scene.name),
+            model_name: format!("{}.{}", self.scene.name, self.name),
             text: "Elastic wing of veins and a membrane, implicit in time".into(),
             author: "The nervure developers".into(),
             copyright: "Copyright (c) 2026 The nervure developers".into(),
@@ -158,6 +252,7 @@ impl Model for WingUnit {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
+        self.mark_stale();
         self.apply()
             .and_then(|()| self.place(start))
             .and_then(|()| self.copy_to_outputs())
@@ -168,8 +263,15 @@ impl Model for WingUnit {
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
+        if let Some(Announced { step, .. }) = self.response
+            && (h - step).abs() > ROUNDING * h
+        {
+            return Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"));
+        }
+        self.mark_stale();
+        let base = self.base_at(t + h);
         let wing = self.wing.as_mut().expect(BUILT);
-        wing.base_motion = self.own.root_motion.as_ref().map(|laws| from_scene::pose(laws, t + h));
+        wing.base_motion = base;
         wing.loads.copy_from(&self.loads);
         wing.step(h).and_then(|()| self.copy_to_outputs()).map_err(|e| format!("{e}, {}", span()))?;
         let Statistics { iterations, substeps, halvings, rescues, .. } = self.wing().statistics();
@@ -192,6 +294,7 @@ impl Model for WingUnit {
     }
 
     fn restore(&mut self, state: &wing::WingState) -> Result<(), String> {
+        self.mark_stale();
         self.apply().map_err(|e| e.to_string())?;
         self.wing_mut().restore(state).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
     }

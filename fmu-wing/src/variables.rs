@@ -17,8 +17,14 @@ pub fn list(unit: &WingUnit) -> Vec<Variable> {
     let mut list = vec![Real::time()];
     list.extend(parameters(unit));
     list.extend(inputs(unit));
+    if unit.base.is_some() {
+        list.extend(base_inputs());
+    }
     // Outputs belong to the end of a step.
     list.extend(outputs(unit).into_iter().map(|output| output.depends_on(&[])));
+    if unit.response.is_some() {
+        list.extend(response());
+    }
     list
 }
 
@@ -65,13 +71,59 @@ fn inputs(unit: &WingUnit) -> Vec<Variable> {
     let nodes = unit.nodes();
     let mut list: Vec<_> = along_axes(|d, axis| {
         let text = "Load on the nodes at the end of the step";
-        Real::input(format!("force_{axis}"), "N", text, move |m| &mut m.loads.force[d * nodes..(d + 1) * nodes])
-            .array(nodes)
+        Real::input(format!("force_{axis}"), "N", text, move |m| {
+            m.mark_stale();
+            &mut m.loads.force[d * nodes..(d + 1) * nodes]
+        })
+        .array(nodes)
     })
     .collect();
     let text = "Decrease of the load per velocity of the node";
-    list.push(Real::input("impedance", "kg/s", text, |m| &mut m.loads.impedance).at_least(0.0).array(nodes));
+    let impedance = Real::input("impedance", "kg/s", text, |m| {
+        m.mark_stale();
+        &mut m.loads.impedance
+    });
+    list.push(impedance.at_least(0.0).array(nodes));
     list
+}
+
+/// Return the motion of the base as inputs of a master that moves it.
+fn base_inputs() -> Vec<Variable> {
+    let mut list = Vec::new();
+    list.extend(along_axes(|d, axis| {
+        let text = "Position of the pivot at the end of the step";
+        Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.base_mut().position[d]))
+    }));
+    list.extend(along_axes(|d, axis| {
+        let text = "Velocity of the pivot at the end of the step";
+        Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.base_mut().velocity[d]))
+    }));
+    let text = "Rows of the matrix that turns the base from rest";
+    list.push(Real::input("root.rotation", "1", text, |m| &mut m.base_mut().rotation).array(9));
+    list.extend(along_axes(|d, axis| {
+        let text = "Angular velocity of the base at the end of the step";
+        Real::input(format!("root.omega_{axis}"), "rad/s", text, move |m| from_mut(&mut m.base_mut().omega[d]))
+    }));
+    list
+}
+
+/// Return what the wing announces to a body that carries it.
+fn response() -> Vec<Variable> {
+    vec![
+        Real::input("root.step", "s", "Length of the coming step", |m| {
+            m.mark_stale();
+            m.response.as_mut().map_or(&mut [], |response| from_mut(&mut response.step))
+        })
+        .above(0.0),
+        Real::output("root.reaction", "1", "Force, N, and moment, N m, on the body in the coming step", |m| {
+            &m.response().reaction
+        })
+        .array(6),
+        Real::output("root.impedance", "1", "Rows of the rate at which they fall with the root's velocities", |m| {
+            m.response().impedance.as_flattened()
+        })
+        .array(36),
+    ]
 }
 
 /// Return the motion of the nodes, the exchange with loads and base, the energies and the effort of the last step.
@@ -98,7 +150,7 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         let text = "Velocity of the node farthest from the pivot";
         Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing().velocities(d)[m.tip])
     }));
-    if unit.own.root_motion.is_some() {
+    if unit.own.root_motion.is_some() || unit.base.is_some() {
         list.extend(along_axes(|d, axis| {
             let text = "Displacement of that node on a rigid wing";
             Real::computed(format!("rigid_tip.u{axis}"), "m", text, move |m| {

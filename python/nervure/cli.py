@@ -182,11 +182,11 @@ def build(
     from nervure import library
     from nervure.scene import load
     from nervure.units import package
-    from nervure.units.describe import describe_all, unit_names
+    from nervure.units.describe import describe_all, unit_kinds
 
     scene = load(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
-        library.build(*sorted({"rod", *map(library.kind_of, unit_names(scene))}))  # The rod's checks scenes
+        library.build(*sorted({"rod", *unit_kinds(scene).values()}))  # The rod's checks scenes
     for unit in describe_all(scene, fmi).values():
         if descriptions:
             path = descriptions / f"fmu_{unit.unit}.xml"

@@ -19,15 +19,10 @@ from typing import Any
 from nervure.errors import Fault, InputError, SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "build", "check", "describe", "facts", "is_built", "kind_of", "library", "monitor"]
+__all__ = ["KINDS", "SUFFIX", "build", "check", "describe", "facts", "is_built", "library", "monitor"]
 
 BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
 """Types of the arguments by which a function writes a text: buffer, capacity, and size of the text."""
-
-
-def kind_of(unit: str) -> str:
-    """Return the kind of a unit: every unit but the fluid and a wing is a rod."""
-    return unit if unit in KINDS else "rod"
 
 
 def library(kind: str) -> Path:

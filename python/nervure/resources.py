@@ -17,8 +17,11 @@ SCENES = ROOT / "scenes"
 EXAMPLES = ("examples", "modelDescription", "scenes", "scripts")
 """Folders that `nervure examples` copies; a scene finds its schema beside it."""
 
-KINDS = ("rod", "wing", "fluid")
+KINDS = ("rod", "wing", "body", "fluid")
 """Kinds of units in the order of their steps; KIND has the library and the model identifier `fmu_KIND`."""
+
+SCENE_KEYS = {"body": "flyer"}
+"""Keys of the scene for kinds of units that have another name."""
 
 PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))
 

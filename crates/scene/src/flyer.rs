@@ -1,6 +1,6 @@
 //! A free rigid body that carries wings and rods at driven hinges.
 
-use geometry::vector::turned;
+use geometry::vector::{minus, norm, turned};
 use method::Support;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ pub struct Flyer {
     #[serde(default)]
     pub shape: Option<usize>,
     /// What it carries.
-    pub hinges: Vec<Hinge>,
+    pub hinges: Vec<FlyerHinge>,
 }
 
 /// A direction in which a body moves or turns about its pivot.
@@ -84,12 +84,12 @@ pub struct FlyerSpring {
 /// A driven hinge with a wing or a rod.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Hinge {
+pub struct FlyerHinge {
     /// Unit that it carries: `wing`, `rod`, or a name of `wings` or `rods`.
     pub carries: String,
     /// Place from the pivot of the body, in its axes, m: there is the `pivot` of the wing, or the root of the rod.
     pub position: [f64; 3],
-    /// Turn from the axes of the wing's mesh, or from the direction of the rod's beam, to those of the body.
+    /// Turn from the axes of the wing's mesh to those of the body. A rod has the axes of the body.
     #[serde(default)]
     pub turn: Option<Turn>,
     /// Angles of the hinge; absent, they stay 0.
@@ -132,7 +132,7 @@ impl HingeLaws {
     }
 }
 
-impl Hinge {
+impl FlyerHinge {
     /// Return its laws, if it has such.
     pub fn laws(&self) -> Option<&HingeLaws> {
         if let Some(HingeDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
@@ -154,12 +154,26 @@ impl Hinge {
 
 impl Scene {
     /// Return the hinge that carries a unit.
-    pub fn hinge_of(&self, unit: &str) -> Option<&Hinge> {
+    pub fn hinge_of(&self, unit: &str) -> Option<&FlyerHinge> {
         self.flyer.as_ref()?.hinges.iter().find(|hinge| hinge.carries == unit)
     }
 
+    /// Return the mass of the fluid that the body `k` of the fluid displaces, kg, its moments of inertia about the pivot,
+    /// kg m², as a matrix, and its centroid from the pivot, m, in the axes of the box at the start.
+    pub fn displaced_by_body(&self, k: usize) -> Option<(f64, [[f64; 3]; 3], [f64; 3])> {
+        let fluid = self.fluid.as_ref()?;
+        let (body, ends) = (fluid.bodies.get(k)?, fluid.r#box.ends().collect::<Vec<_>>());
+        let (mass, about) = body.displaced_by(fluid.density, &ends);
+        let (axes, pivot) = (body.axes_at_rest(), |e: usize| body.pivot.get(e).copied().unwrap_or(0.0));
+        let own = |e: usize, f: usize| if e == f { about[e] } else { -mass * pivot(e) * pivot(f) };
+        let turned =
+            |i: usize, j: usize| -> f64 { (0..9).map(|n| own(n / 3, n % 3) * axes[n / 3][i] * axes[n % 3][j]).sum() };
+        let arm = std::array::from_fn(|i| -(0..3).map(|e| pivot(e) * axes[e][i]).sum::<f64>());
+        Some((mass, std::array::from_fn(|i| std::array::from_fn(|j| turned(i, j))), arm))
+    }
+
     /// Return the place of a hinge at the start, m.
-    pub fn place_of(&self, hinge: &Hinge) -> [f64; 3] {
+    pub fn place_of(&self, hinge: &FlyerHinge) -> [f64; 3] {
         let origin = self.flyer.as_ref().map_or([0.0; 3], |flyer| flyer.position);
         std::array::from_fn(|d| origin[d] + hinge.position[d])
     }
@@ -186,6 +200,12 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
         faults.require(is_driven(shape), "flyer.shape", shape, || {
             "it is the number, from 0, of a body of `fluid.bodies` with `\"motion\": \"master\"`".into()
         });
+        if let Some(body) = bodies.get(shape) {
+            let fits = body.position[..] == flyer.position;
+            faults.require(fits, "flyer.position", format!("{:?}", flyer.position), || {
+                format!("the pivot of its shape, `fluid.bodies[{shape}].position`, is {:?}", body.position)
+            });
+        }
     }
     let mut units: Vec<String> = scene.wings().map(|own| own.name.to_string()).collect();
     units.extend(scene.beams_with_rods().map(|own| own.name.unwrap_or("rod").to_string()));
@@ -223,6 +243,16 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
         faults.forbid(flat, &format!("{}beam.root", own.key()), || {
             "a flyer has three dimensions: position and direction need three components".into()
         });
+        let hinge = scene.hinge_of(own.name.unwrap_or("rod")).expect("it is carried");
+        let (place, root) = (scene.place_of(hinge), scene.beam_root(own.beam).0);
+        let off = norm(minus(place, root));
+        faults.require(off <= 1e-9 * own.beam.length, &format!("{}beam.root", own.key()), format!("{root:?}"), || {
+            format!("its hinge is at {place:?}")
+        });
+        let index = scene.flyer.iter().flat_map(|flyer| &flyer.hinges).position(|other| other == hinge).unwrap_or(0);
+        faults.forbid(hinge.turn.is_some(), &format!("flyer.hinges[{index}].turn"), || {
+            "a rod has the axes of the body; its beam has a direction".into()
+        });
         check_scheme(&key, rod.scheme, rod.max_step, faults);
     }
 }
@@ -238,7 +268,7 @@ fn check_scheme(key: &str, scheme: method::Scheme, max_step: Option<f64>, faults
     });
 }
 
-impl Check for Hinge {
+impl Check for FlyerHinge {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         if let Some(turn) = &self.turn {
             faults.direction(&format!("{key}.turn.axis"), &turn.axis);

@@ -57,7 +57,7 @@ pub use fluid::{
     Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe,
     Sponge,
 };
-pub use flyer::{Flyer, FlyerSpring, FreedomName, Hinge, HingeDrive, HingeLaws};
+pub use flyer::{Flyer, FlyerHinge, FlyerSpring, FreedomName, HingeDrive, HingeLaws};
 pub use law::TimeLaw;
 pub use monitor::monitor_text;
 pub use mount::{Freedom, Inertia, Mount};

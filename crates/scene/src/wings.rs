@@ -52,6 +52,11 @@ impl Scene {
         only.chain(several)
     }
 
+    /// Return the wing of the unit that carries this scene: `wing`, or that of `wings` which `this_wing` names.
+    pub fn wing_of_unit(&self) -> Option<WingOfScene<'_>> {
+        self.wings().find(|own| own.number.is_none() || self.this_wing.as_deref() == Some(own.name))
+    }
+
     /// Return the nodes of a wing at rest, m: those of its mesh, or where the hinge of a flyer has them at the start.
     pub fn wing_nodes(&self, own: &WingOfScene) -> Vec<[f64; 3]> {
         let mut nodes = own.wing.mesh.build().nodes;

@@ -3,6 +3,7 @@
 from collections.abc import Collection
 
 from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.flight import flight
 from nervure.coupling.guards import CouplingError, EnergyGuard, takes_momentum
 from nervure.coupling.schemes import (
     Choice,
@@ -34,6 +35,9 @@ def couple(
     The load was chosen when the units were packed. The scheme follows from it: explicit under the momentum load, which
     is implicit by itself; iterated under the pressure jump, which is not.
     """
+    if "body" in units:
+        guards = (coupling and coupling.guards) or (None if foreign else Guards())
+        return flight(units, drive, guards)
     if len(units) == 1:
         (unit,) = units.values()
         return SingleUnit(unit, drive)

@@ -114,7 +114,7 @@ class EnergyGuard:
 
     def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam", parallel: bool = False):
         self.guards, self.rod, self.fluid, self.parallel = guards, rod, fluid, parallel
-        self.is_beam = beam != "wing"
+        self.is_beam = not beam.startswith("wing")
         number = beam.removeprefix("beam[").removesuffix("]")  # Of several rods, from 1
         self.segments = f"rods[{int(number) - 1}].beam.segments" if number.isdecimal() else "beam.segments"
         self.momentum = takes_momentum(rod)

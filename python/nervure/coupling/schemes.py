@@ -15,7 +15,7 @@ until r is small; before each repetition all units return to t. Aitken's relaxat
 
 import re
 from array import array
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,7 +24,7 @@ from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
 from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, below, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
-from nervure.units.fmu import Unit, prefixes
+from nervure.units.fmu import WING, Unit, prefixes
 
 STATION_ROUNDING = 1e-12
 """Residual, relative to the positions of the stations, that counts as converged: about the error of a rod's solver."""
@@ -166,11 +166,16 @@ class Explicit(Scheme):
     foreign: Collection[Unit] = ()
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
+    carried_units: Sequence[Unit] = ()
+    """Rods whose roots a body moves."""
+    watched: Mapping[int, list[str]] = {}
+    """Further outputs that every step fetches, by the identity of the rod."""
 
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
         self.units = [*self.rods, fluid]
-        self.prefixes = prefixes(len(self.rods), wing="wing.x" in fluid.variables)
+        wings = sum(WING.fullmatch(name) is not None for name in fluid.variables)
+        self.prefixes = prefixes(len(self.rods) - wings, wings)
         self.links = self._connect(guards)
         if guards:
             self.guards = [
@@ -187,10 +192,12 @@ class Explicit(Scheme):
         for rod, beam in zip(self.rods, places, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
-            check_drive(rod, self.drive)
+            if rod not in self.carried_units:
+                check_drive(rod, self.drive)
             root = driven_inputs(rod)
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
-            rod.connect(loads[-1] + root, stations[-1], [name for name in on_rod if name in rod.variables])
+            on_rod = [name for name in on_rod if name in rod.variables] + self.watched.get(id(rod), [])
+            rod.connect(loads[-1] + root, stations[-1], on_rod)
             powers += [name for name in from_fluid if name in self.fluid.variables]
         here = [[beam + name for name in names] for beam, names in zip(places, stations, strict=True)]
         there = [[beam + name for name in names] for beam, names in zip(places, loads, strict=True)]

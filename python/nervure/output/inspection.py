@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from nervure.errors import InputError, UnitError
-from nervure.library import is_built, kind_of
+from nervure.library import is_built
 from nervure.output import forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
@@ -20,7 +20,7 @@ from nervure.scene.solids import cell_lengths
 from nervure.scene.types import FineBox, Fluid
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
-from nervure.units.describe import unit_names
+from nervure.units.describe import unit_kinds
 from nervure.units.fmu import read_description, variables_of, version_of
 
 FLAGS = {
@@ -80,7 +80,7 @@ def show_unit(console: Console, path: Path) -> None:
 def show_scene(console: Console, scene: Scene) -> None:
     """Print sizes, choices and forecast of a scene; what only the units know is left out where their libraries are not
     built."""
-    facts, units = Facts(scene), unit_names(scene)
+    facts, units = Facts(scene), unit_kinds(scene)
     rows = [("description", scene.description)] if scene.description else []
     *front, last = units
     rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
@@ -103,7 +103,7 @@ def show_scene(console: Console, scene: Scene) -> None:
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
         rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
     rows += forecast.scene_rows(facts)
-    if missing := dict.fromkeys(kind for kind in map(kind_of, units) if not is_built(kind)):
+    if missing := dict.fromkeys(kind for kind in units.values() if not is_built(kind)):
         rows.append(("wall time", f"unknown until `nervure run` builds the library of the {' and the '.join(missing)}"))
     else:
         rows += _measured(scene)

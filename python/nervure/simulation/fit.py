@@ -25,7 +25,8 @@ def check_fit(scene: Scene, units: Mapping[str, Unit], foreign: Collection[str])
         given = units[name]
         with TemporaryDirectory() as place:
             own = package.lay_out(describe(name, scene), Path(place))
-            bodies = prefixes(len(scene.rods) or 1, scene.wing is not None)
+            wings = len(scene.wings) or int(scene.wing is not None)
+            bodies = prefixes(len(scene.rods) or int(scene.beam is not None or not wings), wings)
             fault = _fluid_fault(own, given, bodies) if name == "fluid" else _rod_fault(own, given)
         if fault:
             raise InputError(

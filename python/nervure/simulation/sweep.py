@@ -29,13 +29,13 @@ from typing import Any
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
 from nervure.files import claimed, json_numbers, undone_on_error, write_csv, write_whole
-from nervure.library import check, kind_of, library
+from nervure.library import check, library
 from nervure.scene import Document, Scene, document, files_of, json_or_text, text, validate
 from nervure.simulation import results
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.session import Session
 from nervure.simulation.summary import Summary
-from nervure.units.describe import unit_names
+from nervure.units.describe import unit_kinds
 
 ROW = "row.json"
 Row = dict[str, Any]  # A run in the table of a sweep, by column
@@ -157,7 +157,7 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
     folders: set[str] = set()
     for scene, varied in made:
         digest = hashlib.sha256(text(scene).encode())
-        for kind in dict.fromkeys(map(kind_of, unit_names(scene))):
+        for kind in dict.fromkeys(unit_kinds(scene).values()):
             digest.update(library_digest(kind))
         if digest.hexdigest() not in cases:
             name = _folder_name(scene, varied, len(bases) > 1, folders)

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from nervure import library
-from nervure.library import kind_of
-from nervure.resources import KINDS
+from nervure.resources import KINDS, SCENE_KEYS
 from nervure.scene import Document, Scene, document, text
 
 
@@ -12,11 +11,11 @@ from nervure.scene import Document, Scene, document, text
 class Description:
     """A unit of a scene for one version of FMI."""
 
-    unit: str  # `rod`, `fluid`, `wing`, or the name of one of several rods
-    kind: str  # `rod`, `fluid` or `wing`
+    unit: str  # `rod`, `fluid`, `wing`, `body`, or the name of one of several rods or wings
+    kind: str  # `rod`, `wing`, `body` or `fluid`
     version: int  # Of FMI, 2 or 3
     scene_name: str
-    scene: str  # Text of the scene that the unit carries; of several rods it has the key `this_rod`
+    scene: str  # Text of the scene that the unit carries; of several rods it has the key `this_rod`, of wings `this_wing`
     xml: str  # modelDescription.xml
 
     @property
@@ -27,8 +26,9 @@ class Description:
 
 def describe(unit: str, scene: Scene | Document, version: int = 2) -> Description:
     """Describe one unit of a scene; raise `SceneError` with the unit's words where it refuses the scene."""
-    given, kind = document(scene), kind_of(unit)
-    carried = text(given if unit in KINDS else given | {"this_rod": unit})
+    given = document(scene)
+    kind = unit_kinds(given).get(unit, unit if unit in KINDS else "rod")
+    carried = text(given if unit in KINDS else given | {f"this_{kind}": unit})
     return Description(unit, kind, version, given["name"], carried, library.describe(kind, carried, version))
 
 
@@ -37,16 +37,25 @@ def describe_all(scene: Scene | Document, version: int = 2) -> dict[str, Descrip
     return {unit: describe(unit, scene, version) for unit in unit_names(scene)}
 
 
+def unit_kinds(scene: Scene | Document) -> dict[str, str]:
+    """Return the kinds of the units of a scene, which may be unchecked, by name in the order of their steps: the rod, or
+    several by name, then the wings, then a free body, then the fluid. A scene without units is for the fluid, which
+    refuses it."""
+    given, kinds = document(scene), dict[str, str]()
+    for kind in KINDS:
+        several = given.get(f"{kind}s")
+        each = [own.get("name") for own in several if isinstance(own, dict)] if isinstance(several, list) else []
+        kinds |= {name: kind for name in each if isinstance(name, str)}
+        if given.get(SCENE_KEYS.get(kind, kind)) is not None:
+            kinds[kind] = kind
+    return kinds or {"fluid": "fluid"}
+
+
 def unit_names(scene: Scene | Document) -> list[str]:
-    """Return the units of a scene, which may be unchecked, in the order of their steps: the rod, or several by name,
-    then a wing, then the fluid. A scene without units is for the fluid, which refuses it."""
-    given = document(scene)
-    rods = given.get("rods")
-    each = [own.get("name") for own in rods if isinstance(own, dict)] if isinstance(rods, list) else []
-    names = [name for name in each if isinstance(name, str)]
-    return [*names, *(kind for kind in KINDS if given.get(kind) is not None)] or ["fluid"]
+    """Return the names of the units of a scene, as `unit_kinds`."""
+    return [*unit_kinds(scene)]
 
 
-def unit_label(unit: str) -> str:
-    """Return the name of a unit in messages: `rod`, `fluid`, `wing`, or `rod NAME`."""
-    return unit if unit in KINDS else f"rod {unit}"
+def unit_label(unit: str, kind: str = "rod") -> str:
+    """Return the name of a unit in messages: `rod`, `fluid`, `wing`, `body`, or `rod NAME`."""
+    return unit if unit in KINDS else f"{kind} {unit}"

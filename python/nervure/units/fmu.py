@@ -329,12 +329,18 @@ class Unit:
         return UnitFailure(f"{self.name}: {reason}")
 
 
-def prefixes(rods: int, wing: bool = False) -> list[str]:
-    """Return the prefix of each rod's variables at the fluid: none for a single rod, else `beam[1].`, `beam[2].`, …; of
-    a wing `wing.`."""
-    if wing:
-        return ["wing."]
-    return [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
+def prefixes(rods: int, wings: int = 0) -> list[str]:
+    """Return the prefix of the variables of each rod, then of each wing at the fluid: none for a single rod, else
+    `beam[1].`, `beam[2].`, …; of a single wing `wing.`, else `wing[1].`, ….
+
+    >>> prefixes(2), prefixes(1, 2)
+    (['beam[1].', 'beam[2].'], ['', 'wing[1].', 'wing[2].'])
+    """
+    beams = [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
+    return beams + (["wing."] if wings == 1 else [f"wing[{i}]." for i in range(1, wings + 1)])
+
+
+WING = re.compile(r"wing(\[\d+\])?\.x")  # At the fluid
 
 
 def read_description(path: Path) -> Any:

@@ -10,20 +10,21 @@ from lxml.builder import ElementMaker
 from nervure.errors import SceneError
 from nervure.scene import Scene
 from nervure.units import package
-from nervure.units.describe import describe_all, unit_names
+from nervure.units.describe import describe_all, unit_kinds, unit_names
 from nervure.units.fmu import prefixes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 
-def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
-    """Return SystemStructure.ssd of the units `fmus` by name: each input is connected to the output of the same name;
+def structure(name: str, fmus: dict[str, Path], kinds: dict[str, str], end: float) -> bytes:
+    """Return SystemStructure.ssd of the units `fmus` of these `kinds` by name: each input is connected to the output of the same name;
     for several rods, the fluid's names begin with `beam[1].` and so on."""
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
-    rods = [unit for unit in fmus if unit != "fluid"]
-    beams = dict(zip(rods, prefixes(len(rods), rods == ["wing"]), strict=True))
+    rods = [unit for unit in fmus if unit not in ("fluid", "body")]
+    wings = sum(kinds[unit] == "wing" for unit in rods)
+    beams = dict(zip(rods, prefixes(len(rods) - wings, wings), strict=True))
     components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():
         variables = fmpy.read_model_description(str(path), validate=False).modelVariables
@@ -55,6 +56,6 @@ def pack(scene: Scene, folder: Path, fmus: dict[str, Path] | None = None) -> Pat
     if len(units) < 2:
         raise SceneError(f"the scene {scene.name} has only one unit, the {units[0]}: there is nothing to connect")
     fmus = fmus or {name: package.pack(unit, folder) for name, unit in describe_all(scene).items()}
-    contents = {"SystemStructure.ssd": structure(scene.name, fmus, scene.time.end)}
+    contents = {"SystemStructure.ssd": structure(scene.name, fmus, unit_kinds(scene), scene.time.end)}
     contents |= {f"resources/{path.name}": path.read_bytes() for path in fmus.values()}
     return package.write_archive(folder / f"{scene.name}.ssp", contents)
