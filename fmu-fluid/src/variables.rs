@@ -50,7 +50,13 @@ impl Names {
         let beams = unit.scene.beams().count();
         let number = k + 1;
         let (name, text, prefix, stations, centre) = if k >= beams {
-            ("wing".into(), "the wing".into(), "wing.".into(), "nodes", "the pivot of the wing")
+            let of = k + 1 - beams;
+            let (name, text) = match unit.scene.wings.is_empty() {
+                true => ("wing".to_string(), "the wing".to_string()),
+                false => (format!("wing[{of}]"), format!("wing {of}")),
+            };
+            let prefix = format!("{name}.");
+            (name, text, prefix, "nodes", "the pivot of the wing")
         } else if beams == 1 {
             ("beam".into(), "the beam".into(), String::new(), "stations", "its root")
         } else {
@@ -118,6 +124,9 @@ where
             list.motion(&name, &body, k, !of.is_driven() && of.mount.is_none());
             if of.is_driven() {
                 list.displacement(&name, &body, k);
+            }
+            if unit.scene.flyer.as_ref().is_some_and(|flyer| flyer.shape == Some(k - cylinders)) {
+                list.load(&name, &body, k);
             }
             if of.mount.is_some() {
                 list.velocity(&name, &body, k);
@@ -250,6 +259,28 @@ where
                 self.output(format!("{name}angle_{about}"), "rad", text, move |fluid| angle(fluid, axis));
             }
         }
+    }
+
+    /// Add the load of the next step on rigid body number `k`, which a free body moves.
+    fn load(&mut self, name: &str, body: &str, k: usize) {
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text =
+                format!("Force of the fluid on {body} along {along} in the next step, if it keeps its velocities");
+            self.output(format!("{name}load.force_{along}"), "N", text, move |fluid| {
+                fluid.load_on_body(k).map_or(0.0, |load| load.force.force[axis])
+            });
+        }
+        for (axis, about) in AXES.into_iter().enumerate() {
+            let text = format!("Moment of that force about an axis along {about} through the pivot of {body}");
+            self.output(format!("{name}load.moment_{about}"), "N.m", text, move |fluid| {
+                fluid.load_on_body(k).map_or(0.0, |load| <[f64; D]>::components(load.force.moment)[axis])
+            });
+        }
+        let text = "Rows of the rate at which they fall with the velocities of the body";
+        let impedance = Real::output(format!("{name}load.impedance"), "1", text, move |m: &mut FluidUnit| {
+            fluid::<D>(m).load_on_body(k).map_or(&[][..], |load| load.impedance.as_flattened())
+        });
+        self.0.push(impedance.array(36));
     }
 
     /// Add the motion of rigid body number `k`, which the master moves, as inputs.

@@ -269,7 +269,7 @@ where
             return Err(error);
         }
         self.pressures.invalidate();
-        if !self.present.flexible.loads.is_empty() {
+        if !self.present.flexible.loads.is_empty() || self.problem.bodies.announce() {
             self.solver.predict_loads(&mut self.present, &mut self.problem);
         }
         self.problem.timer.mark(Phase::Loads);
@@ -377,6 +377,9 @@ where
         self.motion.displaced_to.iter_mut().zip(&self.present.carried).for_each(|(to, carried)| *to = carried.now);
         self.pressures.invalidate();
         self.place_at_present();
+        if self.problem.bodies.announce() {
+            self.solver.predict_loads(&mut self.present, &mut self.problem);
+        }
         Ok(())
     }
 }

@@ -39,9 +39,11 @@ impl TryFrom<&Scene> for Parameters<3> {
             body.turn.as_ref().map_or(Turn { axis: Z, angle: 0.0 }, |turn| Turn { axis: turn.axis, angle: turn.angle })
         };
         let axis = |motion: &scene::BodyMotion| Vector::from(motion.axis.unwrap_or(Z));
+        let shape = scene.flyer.as_ref().and_then(|flyer| flyer.shape);
+        let bodies = bodies(fluid, solid, turn, axis).enumerate();
         Ok(Self {
-            bodies: bodies(fluid, solid, turn, axis).collect(),
-            flexible: rods_and_wing(scene),
+            bodies: bodies.map(|(k, body)| Body { announces: shape == Some(k), ..body }).collect(),
+            flexible: rods_and_wings(scene),
             ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y, fluid.r#box.z.unwrap_or_default()])
         })
     }
@@ -106,20 +108,21 @@ fn zone(x: [f64; 2], profile: InflowProfile, mean_velocity: &TimeLaw, c_eta: f64
     Zone { x, parabolic: profile == InflowProfile::Parabolic, mean_velocity: law(mean_velocity), c_eta }
 }
 
-/// Return the flexible bodies of a scene in space: its beams in their order, then its wing.
-fn rods_and_wing(scene: &Scene) -> Vec<Flexible<3>> {
+/// Return the flexible bodies of a scene in space: its beams in their order, then its wings.
+fn rods_and_wings(scene: &Scene) -> Vec<Flexible<3>> {
     let beams = scene.beams_with_rods().map(|own| Flexible {
         name: own.number.map_or("the beam".into(), |number| format!("beam {number}")),
         nodes: scene.beam_stations(own.beam),
         extent: Extent::Line { free: [true; 2] },
         pivot: None,
     });
-    let wing = scene.wing.iter().map(|wing| {
-        let mesh = wing.mesh.build();
-        let extent = Extent::Surface(mesh.triangles);
-        Flexible { name: "the wing".into(), nodes: mesh.nodes, extent, pivot: Some(wing.pivot) }
+    let wings = scene.wings().map(|own| {
+        let extent = Extent::Surface(own.wing.mesh.build().triangles);
+        let pivot = scene.hinge_of(own.name).map_or(own.wing.pivot, |hinge| scene.place_of(hinge));
+        let name = own.number.map_or("the wing".into(), |number| format!("wing {number}"));
+        Flexible { name, nodes: scene.wing_nodes(&own), extent, pivot: Some(pivot) }
     });
-    beams.chain(wing).collect()
+    beams.chain(wings).collect()
 }
 
 /// Return the beams of a scene in the plane.
@@ -181,6 +184,7 @@ where
             pivot: components(&body.pivot),
             turn: turn(body),
             motion: body.motion.as_ref().map(driven).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
+            announces: false,
         }
     })
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::bodies::{Pose, Rigid};
+use crate::bodies::{Drag, Pose, Rigid};
 use crate::fluid::Fluid;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
@@ -98,6 +98,11 @@ where
     pub fn force_on_body(&self, body: usize) -> Force<D> {
         assert!(body < self.problem.bodies.rigid.len(), "there are {} bodies", self.problem.bodies.rigid.len());
         self.present.bodies[body].force
+    }
+
+    /// Return the load of the next step on a rigid body that keeps its velocities, if it is announced.
+    pub fn load_on_body(&self, body: usize) -> Option<&Drag<D>> {
+        self.problem.bodies.announced(body)
     }
 
     /// Return the power of [`Self::force_on_body`] at the end of the step, W, in the plane per metre of depth.

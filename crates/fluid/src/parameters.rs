@@ -136,6 +136,8 @@ where
     pub turn: <[f64; D] as Kinematics<D>>::Turn,
     /// How it moves; absent: still.
     pub motion: Option<Motion<D>>,
+    /// Whether the load of the next step is announced, to a unit that moves the body.
+    pub announces: bool,
 }
 
 /// How a body moves.
@@ -484,7 +486,7 @@ where
     /// A still body with its pivot (m) at the origin of its axes, which are those of the domain.
     pub fn still(name: impl Into<String>, shape: impl Shape<D> + 'static, position: [f64; D]) -> Self {
         let (name, shape, turn) = (name.into(), Arc::new(shape), Default::default());
-        Self { name, shape, position, pivot: [0.0; D], turn, motion: None }
+        Self { name, shape, position, pivot: [0.0; D], turn, motion: None, announces: false }
     }
 
     /// Return a thin body as one with nodes, in its own axes; none of a solid.

@@ -202,6 +202,14 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
         });
         if let Some(body) = bodies.get(shape) {
             let fits = body.position[..] == flyer.position;
+            let is_solid = scene
+                .fluid
+                .as_ref()
+                .is_some_and(|fluid| body.shape.solid(&fluid.r#box.ends().collect::<Vec<_>>()).is_some());
+            faults.require(is_solid, "flyer.shape", shape, || {
+                "its shape is a surface, and the body needs a sphere, an ellipsoid, a cuboid or a circular_cylinder"
+                    .into()
+            });
             faults.require(fits, "flyer.position", format!("{:?}", flyer.position), || {
                 format!("the pivot of its shape, `fluid.bodies[{shape}].position`, is {:?}", body.position)
             });

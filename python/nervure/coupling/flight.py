@@ -18,9 +18,6 @@ from nervure.units.fmu import Unit
 
 REACTION = tuple(f"root.{kind}_{axis}" for kind in ("force", "moment") for axis in "xyz")
 RESPONSE = ("root.reaction", "root.impedance")
-POSE = {f"motion.{name}": name for name in ("x", "y", "z", "vx", "vy", "vz")}
-POSE |= {f"motion.{kind}_{axis}": f"{kind}_{axis}" for kind in ("angle", "omega") for axis in "xyz"}
-"""Inputs of a body of the fluid by the outputs of the free body."""
 
 
 class Carried:
@@ -105,17 +102,19 @@ class Flight(Explicit):
         unit.connect(root, [], self.watched.get(id(unit), ()))
         return Link(unit, unit.exchanged, none, none, none, unit.inputs)
 
-    def _find_shape(self) -> list[tuple[int, str]]:
-        """Return the places of the inputs of the body's shape among those of the fluid's bodies, each with the output of
-        the body."""
-        names = driven_inputs(self.flow) if self.flow else []
-        loads = [name for name in self.places if name.startswith("load.")]
-        prefix = next((name.partition("motion.")[0] for name in names), "") if loads else ""
-        found = enumerate(name for name in names)
-        return [(k, POSE[name.removeprefix(prefix)]) for k, name in found if prefix and name.startswith(prefix)]
+    def _find_shape(self) -> str:
+        """Return the prefix of the body's shape at the fluid, `body[1].` or so; none where it has no shape there."""
+        of_loads = "load.force_x"
+        return next((name.removesuffix(of_loads) for name in self.flow.variables if name.endswith(of_loads)), "")
+
+    def _connect_shape(self) -> None:
+        """Find the places of the motion of the body's shape among the fluid's inputs."""
+        names = driven_inputs(self.flow)
+        ends = np.cumsum([self.flow.variables[name].size for name in names])
+        start = self.body.outputs.astype(float) * 0.0
 
     def drivers(self) -> list[np.ndarray]:
-        """Return what `drive` moves: roots that the body does not carry, and bodies of the fluid but its own."""
+        """Return what `drive` moves: roots that the body does not carry, then bodies of the fluid but its own."""
         roots = [link.root for link in self.links if link.rod not in self.carried_units and link.root.size]
         return roots
 

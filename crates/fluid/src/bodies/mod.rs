@@ -37,6 +37,8 @@ where
     /// Total drag rate Σ a_b, 1/s; absent without a solid.
     rate: Option<Field<f64>>,
     painted: Painted,
+    /// Loads of the next step on the bodies, where they are announced.
+    announced: Vec<(usize, Drag<D>)>,
     /// Density of the fluid, kg/m³.
     density: f64,
     /// Mass of the fluid in a cell, kg.
@@ -105,7 +107,9 @@ where
         let has_walls = walls.iter().any(Option::is_some);
         let thick = !beams.is_empty() || rigid.iter().any(|rigid| !rigid.is_thin());
         let any = !zones.is_empty() || has_walls || thick;
+        let announcing = parameters.bodies.iter().enumerate().filter(|(_, body)| body.announces);
         let mut bodies = Self {
+            announced: announcing.map(|(k, _)| (k, Drag::default())).collect(),
             rigid,
             beams,
             zones,
@@ -204,6 +208,28 @@ where
     ) -> Option<Freedoms> {
         let place = self.carried().position(|(own, _)| own == rigid)?;
         self.rigid[rigid].solve_springs(c, &carried[place], self.density, drag)
+    }
+
+    /// Return the load of the next step on body `k`, if it is announced.
+    pub fn announced(&self, k: usize) -> Option<&Drag<D>> {
+        self.announced.iter().find_map(|(own, drag)| (*own == k).then_some(drag))
+    }
+
+    /// Return whether any load is announced.
+    pub fn announce(&self) -> bool {
+        !self.announced.is_empty()
+    }
+
+    /// Announce the loads; `drag` gives the force on a cell and how it falls with the velocity there.
+    pub fn set_announced(&mut self, drag: impl Fn(&Cell<D>, f64) -> (Vector<D>, Vector<D>)) {
+        let Self { announced, rigid, rate: Some(rate), .. } = self else { return };
+        for (k, load) in announced {
+            *load = Drag::default();
+            for cell in rigid[*k].cells.iter() {
+                let (force, slope) = drag(cell, rate[cell.index]);
+                load.add(force, slope, &cell.arm);
+            }
+        }
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by

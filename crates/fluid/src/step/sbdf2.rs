@@ -337,13 +337,15 @@ where
         thin.predict_loads(scheme.c[0], bodies.rate(), right_side, add, grid, loads);
         let Some(rate) = bodies.rate() else { return };
         let weight = bodies.cell_mass;
-        let drag = |cell: &Cell<D>| {
-            let share = cell.rate / (scheme.c[0] + rate[cell.index]);
+        let drag_at = |cell: &Cell<D>, rate: f64| {
+            let share = cell.rate / (scheme.c[0] + rate);
             let momentum = cell.velocity * cell.rate;
             let force = (Vector::from(right_side(cell.index)) + momentum) * share - momentum;
             (force * weight, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
         };
+        let drag = |cell: &Cell<D>| drag_at(cell, rate[cell.index]);
         bodies.beams.iter().for_each(|beam| beam.collect(drag, &mut loads[beam.number]));
+        bodies.set_announced(drag_at);
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {
