@@ -107,6 +107,14 @@ def wing_library(libraries):
         subprocess.run(command, cwd=ROOT, check=True)
 
 
+@pytest.fixture(scope="session")
+def body_library(wing_library):
+    """The library of a free body, which is built where a scene needs it."""
+    if "NERVURE_LIBRARIES" not in os.environ:
+        command = ["cargo", "build", "--quiet", "--release", "--locked", "--package", "nervure-fmu-body"]
+        subprocess.run(command, cwd=ROOT, check=True)
+
+
 @pytest.fixture
 def fsi3():
     """The shipped FSI3 scene, as JSON."""

@@ -229,9 +229,22 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
+    /// Let all nodes move with the root as a rigid body.
+    fn move_rigidly(&mut self, base: &BaseState<D>) {
+        let omega = structure::cross(&base.direction, &base.direction_rate);
+        let state = &mut self.core.state;
+        for k in 0..state.positions.len() {
+            let arm = state.positions[k] - base.position;
+            let arm = |i: usize| if i % 3 < D { arm[i % 3] } else { 0.0 };
+            let swing = Vector::from_fn(|i, _| omega[(i + 1) % 3] * arm(i + 2) - omega[(i + 2) % 3] * arm(i + 1));
+            (state.velocities[k], state.previous_velocities[k]) = (base.velocity + swing, base.velocity + swing);
+        }
+        self.core.publish();
+    }
+
     /// Place the rod with its root in the state `motion`, at rest in its rest shape, as before a first step.
     ///
-    /// The motion of the root stays prescribed.
+    /// The motion of the root stays prescribed. A rod that a body carries moves with the root as a rigid body.
     pub fn place(&mut self, motion: BaseMotion<D>) -> Result<(), Error> {
         let base = motion.normalised()?;
         let shape = self.parameters.rest_shape(base.position, base.direction);
@@ -241,6 +254,9 @@ impl<const D: usize> Rod<D> {
         self.core.state.own.pressure.fill(0.0);
         self.place_at_rest(base, shape)?;
         self.base_motion = Some(motion);
+        if self.core.carried {
+            self.move_rigidly(&base);
+        }
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.flight import flight
+from nervure.coupling.flight import Flight
 from nervure.coupling.guards import CouplingError, EnergyGuard, takes_momentum
 from nervure.coupling.schemes import (
     Choice,
@@ -37,7 +37,8 @@ def couple(
     """
     if "body" in units:
         guards = (coupling and coupling.guards) or (None if foreign else Guards())
-        return flight(units, drive, guards)
+        rods = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
+        return Flight(units["body"], rods, units.get("fluid"), drive, guards)
     if len(units) == 1:
         (unit,) = units.values()
         return SingleUnit(unit, drive)

@@ -1,172 +1,190 @@
 """A free body with what it carries (`docs/theory/flyer.md`): one exchange a step, from t to t + H.
 
-    hinges, loads at t  →  body.reference  →  each wing: reaction and impedance of the coming step
+    hinges, loads at t  →  body: reference of each root  →  wing: reaction and impedance of the coming step
     body.step  →  roots at t + H  →  wing.step  →  nodes at t + H  →  fluid.step  →  loads of the next step
 
-The body and all it carries are one implicit system; what a wing's reaction turns out to be less what the body assumed
+The body and all it carries are one implicit system; what a reaction turns out to be less what the body assumed
 reaches the body a step later.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from nervure.coupling.guards import CouplingError
-from nervure.coupling.schemes import BODY_MOTION, Drive, Explicit, Link, driven_inputs
+from nervure.coupling.schemes import Drive, Explicit, Link, check_drive, driven_inputs
 from nervure.scene.types import Guards
 from nervure.units.fmu import Unit
 
-REACTION = tuple(f"root.{kind}_{axis}" for kind in ("force", "moment") for axis in "xyz")
-RESPONSE = ("root.reaction", "root.impedance")
+AXES = "xyz"
+REACTION = [f"root.{kind}_{axis}" for kind in ("force", "moment") for axis in AXES]
+RESPONSE = ["root.reaction", "root.impedance"]
+LOAD = [f"load.{kind}_{axis}" for kind in ("force", "moment") for axis in AXES]
+ANGLES = ("stroke", "deviation", "pitch")
+MOTION = {
+    **{f"motion.{kind}{axis}": f"{kind}{axis}" for kind in ("", "v") for axis in AXES},
+    **{f"motion.{kind}_{axis}": f"{kind}_{axis}" for kind in ("angle", "omega") for axis in AXES},
+}
+"""Inputs of the body's shape in the fluid by the outputs of the body."""
+
+
+def places(unit: Unit, names: Sequence[str]) -> dict[str, slice]:
+    """Return the places of variables of `unit` that stand one after the other."""
+    ends = np.cumsum([unit.variables[name].size for name in names], dtype=int).tolist()
+    return {name: slice(end - unit.variables[name].size, end) for name, end in zip(names, ends, strict=True)}
 
 
 class Carried:
-    """A wing or rod that the body carries, `name` among its hinges."""
+    """A wing or rod that hinge `name` of a body carries."""
 
-    def __init__(self, name: str, body: Unit, unit: Unit, link: Link):
-        self.name, self.body, self.unit, self.link = name, body, unit, link
-        self.names = [own for own in driven_inputs(unit) if own != "root.step"]
+    def __init__(self, name: str, link: Link, body: Unit):
+        self.name, self.unit, self.link, self.body = name, link.rod, link, body
         for own in (*RESPONSE, *REACTION):
-            if own not in unit.variables:
+            if own not in self.unit.variables:
                 raise CouplingError(
-                    f"the body carries the {unit.name}, which does not announce `{own}`: a body needs the force on its "
-                    "root before its step, and the rate at which this falls with the root's velocities"
+                    f"the body carries the {self.unit.name}, which has no output `{own}`: a body needs the force on its "
+                    "root before its step, and the rate at which it falls with the root's velocities"
                 )
-        sizes = [unit.variables[own].size for own in driven_inputs(unit)]
-        ends = dict(zip(driven_inputs(unit), np.cumsum(sizes), strict=True))
-        self.step_at = int(ends["root.step"]) - 1
-        self.roots = np.array([k for own in self.names for k in range(ends[own] - unit.variables[own].size, ends[own])])
-        self.announced = [unit.reader([own]) for own in RESPONSE]
+        self.inputs = places(self.unit, driven_inputs(self.unit))
+        self.moved = [own for own in self.inputs if own != "root.step"]
+        self.announced = [self.unit.reader([own]) for own in RESPONSE]
 
     def outputs(self, kind: str) -> list[str]:
-        """Return the outputs of the body for this root, `root` or `reference`."""
-        return [f"{self.name}.{kind}.{own.removeprefix('root.')}" for own in self.names]
+        """Return the outputs of the body for the inputs of the root: its `root`, or the `reference` of that."""
+        return [f"{self.name}.{kind}.{own.removeprefix('root.')}" for own in self.moved]
 
     def move(self, kind: str, h: float) -> None:
-        """Give the root its place at the end of a step of `h` (s), or the `reference` of it."""
-        values = [np.atleast_1d(self.body.outputs[self.body.slices[own]]) for own in self.outputs(kind)]
-        self.link.root[self.roots], self.link.root[self.step_at] = np.concatenate(values), h
+        """Give the root its place at the end of a step of `h` (s), or the `reference` of that."""
+        self.link.root[self.inputs["root.step"]] = h
+        for own, output in zip(self.moved, self.outputs(kind), strict=True):
+            self.link.root[self.inputs[own]] = self.body.outputs[self.body.slices[output]]
 
-    def respond(self) -> list[np.ndarray]:
+    def respond(self) -> dict[str, np.ndarray]:
         """Return reaction and impedance of the coming step."""
         self.unit.set()
-        return [read().ravel() for read in self.announced]
+        return {own: read().ravel() for own, read in zip(RESPONSE, self.announced, strict=True)}
 
-    def reaction(self) -> np.ndarray:
+    def reaction(self) -> dict[str, np.ndarray]:
         """Return force and moment of the body on the root in the last step."""
-        return np.concatenate([self.unit.outputs[self.unit.slices[own]] for own in REACTION])
+        return {own: self.unit.outputs[self.unit.slices[own]] for own in REACTION}
 
 
 class Flight(Explicit):
-    """A body, what it carries, and a fluid if there is one."""
+    """A body, wings and rods by name, of which it carries some, and a fluid if there is one."""
 
-    def __init__(
-        self,
-        body: Unit,
-        rods: dict[str, Unit],
-        fluid: Unit | None,
-        drive: Drive | None = None,
-        guards: Guards | None = None,
-    ):
-        self.body = body
-        names = {name.partition(".root.")[0] for name in body.variables if ".root." in name}
-        self.carried_units = [unit for name, unit in rods.items() if name in names]
-        self.watched = {id(unit): list(REACTION) for unit in self.carried_units}
-        if fluid is None:
-            self.rods, self.drive, self.links = [*rods.values()], drive, [self._alone(unit) for unit in rods.values()]
-            self.bodies = np.zeros(0)
-        else:
+    flow: Unit | None
+    shape: Callable[[], np.ndarray] | None = None
+    """Reader of the loads of the fluid on the body's shape; None where the fluid does not feel the body."""
+
+    def __init__(self, body: Unit, rods: dict[str, Unit], fluid: Unit | None, drive: Drive | None, guards: Guards | None):
+        self.body, self.flow, self.drive = body, fluid, drive
+        self.inputs = places(body, [v.name for v in body.variables.values() if v.causality == "input"])
+        self.carried_units = [unit for name, unit in rods.items() if f"{name}.root.reaction" in self.inputs]
+        if fluid:
             super().__init__([*rods.values()], fluid, drive, guards if rods else None)
-        self.flow = fluid
+        else:
+            self.rods, self.bodies = [*rods.values()], np.zeros(0)
+            self.links = [self._alone(rod) for rod in self.rods]
         self.units = [*self.rods, body, *([fluid] if fluid else [])]
-        links = {id(link.rod): link for link in self.links}
-        self.carried = [
-            Carried(name, body, unit, links[id(unit)]) for name, unit in rods.items() if unit in self.carried_units
-        ]
-        inputs = [v.name for v in body.variables.values() if v.causality == "input"]
-        body.connect(inputs, [own for one in self.carried for kind in ("reference", "root") for own in one.outputs(kind)])
-        ends = np.cumsum([body.variables[name].size for name in inputs]).tolist()
-        self.places = {name: slice(end - body.variables[name].size, end) for name, end in zip(inputs, ends, strict=True)}
-        hinged = [f"{one.name}.{angle}" for one in self.carried for angle in ("stroke", "deviation", "pitch")]
-        self.hinges = [name for name in inputs if name.removesuffix("_rate") in hinged]
+        links = {name: link for name, link in zip(rods, self.links, strict=True) if link.rod in self.carried_units}
+        self.carried = [Carried(name, link, body) for name, link in links.items()]
+        roots = [name for one in self.carried for kind in ("reference", "root") for name in one.outputs(kind)]
+        body.connect([*self.inputs], roots)
+        hinged = tuple(f"{name}.{angle}" for name in links for angle in ANGLES)
+        self.hinges = [name for name in self.inputs if name.startswith(hinged)]
         if self.hinges and drive is None:
             raise CouplingError(
                 "the scene leaves a hinge to the master (flyer.hinges[k].motion), but nothing drives it: give laws of "
                 "time, or a function as `drive` of a `Session` in Python (docs/guide/python.md)"
             )
-        self.shape = self._find_shape()
+        self._find_shape()
 
-    def _alone(self, unit: Unit) -> Link:
-        """Connect a unit without a fluid."""
-        root, none = driven_inputs(unit), np.zeros(0)
-        unit.connect(root, [], self.watched.get(id(unit), ()))
-        return Link(unit, unit.exchanged, none, none, none, unit.inputs)
+    def watched(self, rod: Unit) -> list[str]:
+        return REACTION if rod in self.carried_units else []
 
-    def _find_shape(self) -> str:
-        """Return the prefix of the body's shape at the fluid, `body[1].` or so; none where it has no shape there."""
-        of_loads = "load.force_x"
-        return next((name.removesuffix(of_loads) for name in self.flow.variables if name.endswith(of_loads)), "")
+    def is_driven(self, unit: Unit) -> bool:
+        return unit not in self.carried_units and not (unit is self.flow and self._prefix())
 
-    def _connect_shape(self) -> None:
-        """Find the places of the motion of the body's shape among the fluid's inputs."""
-        names = driven_inputs(self.flow)
-        ends = np.cumsum([self.flow.variables[name].size for name in names])
-        start = self.body.outputs.astype(float) * 0.0
+    def _prefix(self) -> str:
+        """Return the prefix of the body's shape at the fluid, such as `body[1].`; empty without one."""
+        names = self.flow.variables if self.flow else {}
+        return next((name.removesuffix(LOAD[0]) for name in names if name.endswith(f".{LOAD[0]}")), "")
 
-    def drivers(self) -> list[np.ndarray]:
-        """Return what `drive` moves: roots that the body does not carry, then bodies of the fluid but its own."""
-        roots = [link.root for link in self.links if link.rod not in self.carried_units and link.root.size]
-        return roots
+    def _alone(self, rod: Unit) -> Link:
+        """Connect a rod without a fluid."""
+        root, none = driven_inputs(rod), np.zeros(0)
+        if self.is_driven(rod):
+            check_drive(rod, self.drive)
+        rod.connect(root, [], self.watched(rod))
+        return Link(rod, rod.exchanged, none, none, none, rod.inputs)
+
+    def _find_shape(self) -> None:
+        """Find the shape of the body in the fluid: the places of its motion, and its loads."""
+        prefix, self.motion, self.free = self._prefix(), dict[str, slice](), np.arange(self.bodies.size)
+        if self.flow is None or not prefix:
+            return
+        own = places(self.flow, driven_inputs(self.flow))
+        self.motion = {MOTION[name.removeprefix(prefix)]: at for name, at in own.items() if name.startswith(prefix)}
+        self.free = np.setdiff1d(self.free, [at.start for at in self.motion.values()])
+        loads, impedance = self.flow.reader([prefix + name for name in LOAD]), self.flow.reader([f"{prefix}load.impedance"])
+        self.shape = lambda: np.concatenate([loads().ravel(), impedance().ravel()])
+
+    def give(self, name: str, value: np.ndarray | float) -> None:
+        """Give the body an input."""
+        self.body.inputs[self.inputs[name]] = value
 
     def move_driven(self, t: float) -> None:
-        """Move roots and hinges that `drive` drives to their place at `t` (s)."""
         if not self.drive:
             return
         values = np.asarray(self.drive(t), float)
-        for part in self.drivers():
-            part[:], values = values[: part.size], values[part.size :]
-        for name, value in zip(self.hinges, values, strict=True):
-            self.body.inputs[self.places[name]] = value
+        for link in (link for link in self.links if link.rod not in self.carried_units):
+            link.root[:], values = values[: link.root.size], values[link.root.size :]
+        for name in self.hinges:
+            self.give(name, values[0])
+            values = values[1:]
+        self.bodies[self.free] = values
+
+    def give_body(self) -> None:
+        """Give the fluid the motion of the body's shape."""
+        for name, at in self.motion.items():
+            start = self.rest.get(name, 0.0)
+            self.bodies[at] = self.body.outputs[self.body.slices[name]] - start
 
     def start(self) -> None:
         self.move_driven(0.0)
         self.body.set()
         self.body.get()
+        self.rest = {axis: self.body.outputs[self.body.slices[axis]].item() for axis in AXES}
         for one in self.carried:
-            one.move("root", self.body.inputs[self.places["step"]][0])
+            one.move("root", self.body.inputs[self.inputs["step"]].item())
         for rod in self.rods:
             rod.set()
+        self.give_body()
         if self.flow:
-            self.give_body()
             super().start()
-        else:
-            for rod in self.rods:
-                rod.get()
-                rod.start()
+        for rod in self.rods if not self.flow else []:
+            rod.get()
+            rod.start()
         self.body.start()
-
-    def give_body(self) -> None:
-        """Copy the place of the body to its shape in the fluid."""
-        for k, name in self.shape:
-            self.bodies[k] = self.body.outputs[self.body.slices[name]].item()
 
     def step_rods(self, t: float, h: float) -> None:
         """Step the body and the rods from `t` to `t + h` (s) with the loads of the fluid."""
-        body, places = self.body, self.places
         self.take_loads()
         self.move_driven(t + h)
-        body.inputs[places["step"]] = h
+        self.give("step", h)
+        if self.shape:
+            for name, value in zip([*LOAD, "load.impedance"], np.split(self.shape(), range(1, 7)), strict=True):
+                self.give(name, value)
         for one in self.carried:
-            reaction = one.reaction()
-            for own, value in zip(REACTION, reaction, strict=True):
-                body.inputs[places[f"{one.name}.{own}"]] = value
-        body.set()
-        body.get()
+            for name, value in one.reaction().items():
+                self.give(f"{one.name}.{name}", value)
+        self.body.set()
+        self.body.get()
         for one in self.carried:
             one.move("reference", h)
-            for own, value in zip(RESPONSE, one.respond(), strict=True):
-                body.inputs[places[f"{one.name}.{own}"]] = value
-        body.step(t, h)
+            for name, value in one.respond().items():
+                self.give(f"{one.name}.{name}", value)
+        self.body.step(t, h)
         for one in self.carried:
             one.move("root", h)
         for rod in self.rods:
@@ -181,9 +199,3 @@ class Flight(Explicit):
             self.give_body()
             self.flow.step(t, h)
         return 1
-
-
-def flight(units: dict[str, Unit], drive: Drive | None, guards: Guards | None) -> Flight:
-    """Return the scheme of a scene with a flyer."""
-    rods = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
-    return Flight(units["body"], rods, units.get("fluid"), drive, guards)

@@ -15,7 +15,7 @@ until r is small; before each repetition all units return to t. Aitken's relaxat
 
 import re
 from array import array
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,11 +166,6 @@ class Explicit(Scheme):
     foreign: Collection[Unit] = ()
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
-    carried_units: Sequence[Unit] = ()
-    """Rods whose roots a body moves."""
-    watched: Mapping[int, list[str]] = {}
-    """Further outputs that every step fetches, by the identity of the rod."""
-
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
         self.units = [*self.rods, fluid]
@@ -192,17 +187,18 @@ class Explicit(Scheme):
         for rod, beam in zip(self.rods, places, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
-            if rod not in self.carried_units:
+            if self.is_driven(rod):
                 check_drive(rod, self.drive)
             root = driven_inputs(rod)
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
-            on_rod = [name for name in on_rod if name in rod.variables] + self.watched.get(id(rod), [])
+            on_rod = [name for name in on_rod if name in rod.variables] + self.watched(rod)
             rod.connect(loads[-1] + root, stations[-1], on_rod)
             powers += [name for name in from_fluid if name in self.fluid.variables]
         here = [[beam + name for name in names] for beam, names in zip(places, stations, strict=True)]
         there = [[beam + name for name in names] for beam, names in zip(places, loads, strict=True)]
         known = [name for names in here for name in names]
-        check_drive(self.fluid, self.drive)
+        if self.is_driven(self.fluid):
+            check_drive(self.fluid, self.drive)
         bodies = driven_inputs(self.fluid)
         inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
         if lost := next((name for name in inputs if name not in [*known, *bodies]), None):
@@ -219,6 +215,14 @@ class Explicit(Scheme):
             Link(rod, rod.exchanged, stations, loads, *np.split(rod.inputs, [loads.size]))
             for rod, stations, loads in pairs
         ]
+
+    def watched(self, _rod: Unit) -> list[str]:
+        """Return further outputs of a rod that every step fetches."""
+        return []
+
+    def is_driven(self, _unit: Unit) -> bool:
+        """Return whether `drive` moves the root or the bodies of a unit, if anything does."""
+        return True
 
     def give_stations(self) -> None:
         """Copy the stations of the rods to the fluid."""

@@ -22,7 +22,7 @@ from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
 from nervure.units import package
-from nervure.units.describe import Description, describe_all, unit_label, unit_names
+from nervure.units.describe import Description, describe_all, unit_kinds, unit_label
 from nervure.units.fmu import Unit, read_description
 
 CHECKS, CHECK_EVERY = 100, 40  # Least checks of places in a run, and most steps between two
@@ -63,13 +63,13 @@ class Session(TimeLoop):
         self.units: Units = {}
         self.fmus, self.foreign = dict(fmus or {}), foreign
         with ExitStack() as stack:
-            names = unit_names(scene)
+            names = unit_kinds(scene)
             if missing := [name for name in names if name not in self.fmus]:
                 place, own = Path(stack.enter_context(TemporaryDirectory())), described or describe_all(scene)
                 self.fmus |= {name: package.lay_out(own[name], place) for name in missing}
             for unit, path in ((name, self.fmus[name]) for name in names):
                 # Ours may go on after the end, from a checkpoint.
-                self.units[unit] = Unit(path, unit_label(unit), grid.end if unit in foreign else None)
+                self.units[unit] = Unit(path, unit_label(unit, names[unit]), grid.end if unit in foreign else None)
                 stack.callback(self.units[unit].close)
             made = scheme(self.units) if scheme else couple(self.units, scene.coupling, drive, foreign)
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
@@ -92,8 +92,7 @@ class Session(TimeLoop):
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]
-        if self.scene.wing:
-            bodies = [(max(cell), True)]
+        bodies += [(max(cell), True)] * (len(self.scene.wings) or int(self.scene.wing is not None))
         numbers = tuple(fluid.box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step
         cfl = self.facts.numbers
         for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):

@@ -1,0 +1,182 @@
+"""A free body that carries wings and rods at driven hinges, without a fluid and with one."""
+
+import copy
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.coupling import CouplingError
+from nervure.coupling.flight import Carried
+from nervure.errors import SceneError
+from nervure.simulation.session import Session
+from nervure.units.describe import describe
+
+pytestmark = pytest.mark.usefixtures("body_library")
+
+STROKE = {"sine": {"amplitude": 0.8, "frequency": 1.0, "ramp": 0.5}}
+WING = {
+    "mesh": {"rectangular": {"length": 0.2, "width": 0.1, "along": 3}},
+    "membrane": {"areal_density": 50.0, "stretching_stiffness": 2500.0, "bending_stiffness": 0.09},
+    "root": "root",
+    "scheme": "bdf2",
+    "relaxation_time": 1e-4,
+}
+
+
+def pair(mass: float = 1.0) -> dict:
+    """A body with two wings on both sides, each of 1 kg; the right one is turned about y."""
+    turn = {"axis": [0.0, 1.0, 0.0], "angle": math.pi}
+    return {
+        "name": "pair",
+        "time": {"end": 0.25, "communication_step": 5e-3},
+        "wings": [{"name": name, "wing": copy.deepcopy(WING)} for name in ("left", "right")],
+        "flyer": {
+            "mass": mass,
+            "inertia": [0.01 * mass, 0.014 * mass, 0.019 * mass],
+            "hinges": [
+                {"carries": "left", "position": [0.05, 0.0, 0.0], "motion": {"stroke": STROKE}},
+                {"carries": "right", "position": [-0.05, 0.0, 0.0], "turn": turn, "motion": {"stroke": STROKE}},
+            ],
+        },
+    }
+
+
+def outputs(session: Session, unit: str = "body") -> dict[str, float]:
+    """Return the scalar outputs of a unit."""
+    own = session.units[unit]
+    return {name: own.outputs[own.slices[name]].item() for name in own.scalars("Real")}
+
+
+def run(scene: dict, folder: Path, steps: int | None = None, **options) -> Session:
+    """Return a session after some steps, or all."""
+    session = Session(nervure.Scene.model_validate(scene), folder, **options)
+    session.start()
+    for _ in range(steps or session.grid.steps):
+        session.step()
+    return session
+
+
+def test_two_wings_that_beat_alike_move_their_body_back_and_neither_aside_nor_round(tmp_path):
+    with run(pair(), tmp_path) as session:
+        found = outputs(session)
+        nodes = session.units["left"].read("y")
+    aside = [abs(found[name]) for name in ("x", "z", "angle_x", "angle_y", "angle_z")]
+    assert found["y"] < -0.01 and nodes.max() > 0.01
+    assert max(aside) < 1e-9 * abs(found["y"]), f"{found['y']} m back, {max(aside)} aside or round"
+
+
+@pytest.mark.parametrize("mass", [1e-3, 1e-2, 1.0, 1e2])
+def test_a_body_flies_at_every_ratio_of_masses(mass, tmp_path):
+    """A light body follows the wings that beat, a heavy one stays."""
+    with run(pair(mass), tmp_path) as session:
+        back = outputs(session)["y"]
+    # The centre of mass of all rests; that of the wings leaves the hinges by up to half their length.
+    assert -0.1 < back * (mass + 2.0) / 2.0 < 0.0, f"{mass} kg: {back} m"
+    assert (back < -0.03) == (mass < 0.1), f"{mass} kg: {back} m"
+
+
+def test_a_rod_and_a_wing_hang_at_one_body_that_falls(tmp_path):
+    """All fall alike: nothing bends."""
+    scene, down = pair(), [0.0, 0.0, -9.81]
+    del scene["wings"]
+    scene["wing"] = WING | {"gravity": down}
+    scene["beam"] = {
+        "root": {"at": {"position": [0.0, 0.1, 0.0], "direction": [0.0, 1.0, 0.0]}},
+        "length": 0.3,
+        "thickness": 0.01,
+        "segments": 6,
+    }
+    section = {"line_density": 0.3, "bending_stiffness": 0.1, "axial_stiffness": 200.0}
+    scene["rod"] = {"material": {"section": section}, "scheme": "bdf2", "gravity": down}
+    hinges = [{"carries": "wing", "position": [0.05, 0.0, 0.0]}, {"carries": "rod", "position": [0.0, 0.1, 0.0]}]
+    scene["flyer"] |= {"gravity": down, "hinges": hinges, "velocity": [0.5, 0.0, 0.0]}
+    with run(scene, tmp_path) as session:
+        body, rod = outputs(session), outputs(session, "rod")
+    assert body["x"] == pytest.approx(0.125, abs=1e-5)
+    # The first step of the differences is of first order.
+    assert body["z"] == pytest.approx(-0.5 * 9.81 * 0.25**2, rel=0.05)
+    assert rod["tip.uz"] == pytest.approx(body["z"], abs=1e-9)
+
+
+def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits(tmp_path):
+    with run(pair(), tmp_path, 10) as session:
+        for unit in session.units.values():
+            unit.save()
+        ends = []
+        for _ in range(2):
+            for unit in session.units.values():
+                unit.restore()
+                unit.get()
+            session.steps = 10
+            for unit in session.units.values():
+                unit.fmu.currentTime = None
+            for k in range(10, 15):
+                session.scheme.step(k * 5e-3, 5e-3)
+            ends.append(session.units["body"].outputs.copy())
+    assert np.array_equal(*ends)
+
+
+def test_the_master_moves_hinges(tmp_path):
+    """A function gives the same flight as the law."""
+    by_law = pair()
+    for hinge in by_law["flyer"]["hinges"]:
+        hinge["motion"] = {"stroke": {"sine": {"amplitude": 0.3, "frequency": 1.0}}}
+    driven = copy.deepcopy(by_law)
+    for hinge in driven["flyer"]["hinges"]:
+        hinge["motion"] = "master"
+
+    def drive(t: float) -> list[float]:
+        angle, rate = 0.3 * math.sin(math.tau * t), 0.3 * math.tau * math.cos(math.tau * t)
+        return [angle, rate, 0.0, 0.0, 0.0, 0.0] * 2
+
+    with run(by_law, tmp_path, 20) as session:
+        expected = outputs(session)["y"]
+    with run(driven, tmp_path, 20, drive=drive) as session:
+        assert outputs(session)["y"] == pytest.approx(expected, rel=1e-9)
+    with pytest.raises(CouplingError, match=r"leaves a hinge to the master \(flyer.hinges\[k\].motion\)"):
+        run(driven, tmp_path)
+
+
+def test_units_of_both_versions_of_fmi_describe_themselves():
+    for unit in ("left", "body"):
+        for version in (2, 3):
+            xml = describe(unit, pair(), version).xml
+            assert "left.root.reaction" in xml or "root.reaction" in xml
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"carries": "nobody"}, "the units of the scene are `left` and `right`"),
+        ({"carries": "right"}, "another hinge carries it"),
+    ],
+)
+def test_hinges_that_carry_nothing_of_their_own_are_refused(change, fault):
+    scene = pair()
+    scene["flyer"]["hinges"][0] |= change
+    scene["flyer"]["hinges"].reverse()
+    with pytest.raises(SceneError, match=fault):
+        describe("body", scene)
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [({"scheme": "tr_bdf2"}, "must be bdf2"), ({"root": None}, "root"), ({"max_step": 1e-3}, "max_step")],
+)
+def test_a_wing_that_a_body_cannot_carry_is_refused(change, fault):
+    scene = pair()
+    scene["wings"][0]["wing"] |= change
+    with pytest.raises(SceneError, match=fault):
+        describe("body", scene)
+
+
+def test_a_unit_that_announces_nothing_is_refused(tmp_path):
+    with run(pair(), tmp_path, 1) as session:
+        flight = session.scheme
+        link = flight.links[0]
+        del link.rod.variables["root.reaction"]
+        with pytest.raises(CouplingError, match="which has no output `root.reaction`"):
+            Carried("left", link, flight.body)
