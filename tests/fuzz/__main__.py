@@ -12,10 +12,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from nervure.files import write_csv
-from nervure.library import kind_of
 from nervure.resources import ROOT
 from nervure.scene import read, text
-from nervure.units.describe import unit_names
+from nervure.units.describe import unit_kinds
 from tests.conftest import COUPLED
 from tests.reliability.checks import unpack
 from tests.reliability.trials import header
@@ -41,7 +40,7 @@ def write_seeds() -> None:
             (mesh,) = wing["mesh"].values()
             mesh["along"] = 4
         files |= {
-            FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in unit_names(scene)
+            FUZZ / f"corpus/{kind}_scene/{path.stem}": text(scene).encode() for kind in unit_kinds(scene).values()
         }
     for kind in (*COUPLED, "wing"):
         own = text(WING if kind == "wing" else SCENE).encode()

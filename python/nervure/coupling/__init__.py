@@ -37,8 +37,8 @@ def couple(
     """
     if "body" in units:
         guards = (coupling and coupling.guards) or (None if foreign else Guards())
-        rods = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
-        return Flight(units["body"], rods, units.get("fluid"), drive, guards)
+        carried = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
+        return Flight(units["body"], carried, units.get("fluid"), drive, guards)
     if len(units) == 1:
         (unit,) = units.values()
         return SingleUnit(unit, drive)

@@ -42,8 +42,8 @@ class Carried:
         for own in (*RESPONSE, *REACTION):
             if own not in self.unit.variables:
                 raise CouplingError(
-                    f"the body carries the {self.unit.name}, which has no output `{own}`: a body needs the force on its "
-                    "root before its step, and the rate at which it falls with the root's velocities"
+                    f"the body carries the {self.unit.name}, which has no output `{own}`: a body needs the force on "
+                    "its root before its step, and the rate at which it falls with the root's velocities"
                 )
         self.inputs = places(self.unit, driven_inputs(self.unit))
         self.moved = [own for own in self.inputs if own != "root.step"]
@@ -76,7 +76,9 @@ class Flight(Explicit):
     shape: Callable[[], np.ndarray] | None = None
     """Reader of the loads of the fluid on the body's shape; None where the fluid does not feel the body."""
 
-    def __init__(self, body: Unit, rods: dict[str, Unit], fluid: Unit | None, drive: Drive | None, guards: Guards | None):
+    def __init__(
+        self, body: Unit, rods: dict[str, Unit], fluid: Unit | None, drive: Drive | None, guards: Guards | None
+    ):
         self.body, self.flow, self.drive = body, fluid, drive
         self.inputs = places(body, [v.name for v in body.variables.values() if v.causality == "input"])
         self.carried_units = [unit for name, unit in rods.items() if f"{name}.root.reaction" in self.inputs]
@@ -126,7 +128,10 @@ class Flight(Explicit):
         own = places(self.flow, driven_inputs(self.flow))
         self.motion = {MOTION[name.removeprefix(prefix)]: at for name, at in own.items() if name.startswith(prefix)}
         self.free = np.setdiff1d(self.free, [at.start for at in self.motion.values()])
-        loads, impedance = self.flow.reader([prefix + name for name in LOAD]), self.flow.reader([f"{prefix}load.impedance"])
+        loads, impedance = (
+            self.flow.reader([prefix + name for name in LOAD]),
+            self.flow.reader([f"{prefix}load.impedance"]),
+        )
         self.shape = lambda: np.concatenate([loads().ravel(), impedance().ravel()])
 
     def give(self, name: str, value: np.ndarray | float) -> None:
@@ -191,6 +196,13 @@ class Flight(Explicit):
             rod.step(t, h)
         for watch in self.watches:
             watch.check(t + h)
+
+    def memory(self) -> dict[str, np.ndarray]:
+        return super().memory() | {"rest": np.array([*self.rest.values()])}
+
+    def remember(self, memory: dict[str, np.ndarray]) -> None:
+        super().remember(memory)
+        self.rest = dict(zip(AXES, memory["rest"].tolist(), strict=True))
 
     def step(self, t: float, h: float) -> int:
         self.step_rods(t, h)

@@ -166,6 +166,7 @@ class Explicit(Scheme):
     foreign: Collection[Unit] = ()
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
+
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
         self.units = [*self.rods, fluid]

@@ -15,7 +15,9 @@ class Description:
     kind: str  # `rod`, `wing`, `body` or `fluid`
     version: int  # Of FMI, 2 or 3
     scene_name: str
-    scene: str  # Text of the scene that the unit carries; of several rods it has the key `this_rod`, of wings `this_wing`
+    scene: (
+        str  # Text of the scene that the unit carries; of several rods it has the key `this_rod`, of wings `this_wing`
+    )
     xml: str  # modelDescription.xml
 
     @property
@@ -38,9 +40,9 @@ def describe_all(scene: Scene | Document, version: int = 2) -> dict[str, Descrip
 
 
 def unit_kinds(scene: Scene | Document) -> dict[str, str]:
-    """Return the kinds of the units of a scene, which may be unchecked, by name in the order of their steps: the rod, or
-    several by name, then the wings, then a free body, then the fluid. A scene without units is for the fluid, which
-    refuses it."""
+    """Return the kinds of the units of a scene, which may be unchecked, by name in the order of their steps: the rod,
+    or several by name, then the wings, then a free body, then the fluid. A scene without units is for the fluid,
+    which refuses it."""
     given, kinds = document(scene), dict[str, str]()
     for kind in KINDS:
         several = given.get(f"{kind}s")

@@ -10,20 +10,19 @@ from lxml.builder import ElementMaker
 from nervure.errors import SceneError
 from nervure.scene import Scene
 from nervure.units import package
-from nervure.units.describe import describe_all, unit_kinds, unit_names
+from nervure.units.describe import describe_all, unit_kinds
 from nervure.units.fmu import prefixes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 
-def structure(name: str, fmus: dict[str, Path], kinds: dict[str, str], end: float) -> bytes:
-    """Return SystemStructure.ssd of the units `fmus` of these `kinds` by name: each input is connected to the output of the same name;
-    for several rods, the fluid's names begin with `beam[1].` and so on."""
+def structure(name: str, fmus: dict[str, Path], end: float, wings: int = 0) -> bytes:
+    """Return SystemStructure.ssd of the units `fmus` by name, rods before the `wings`: each input is connected to the
+    output of the same name; for several rods, the fluid's names begin with `beam[1].` and so on."""
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
     rods = [unit for unit in fmus if unit not in ("fluid", "body")]
-    wings = sum(kinds[unit] == "wing" for unit in rods)
     beams = dict(zip(rods, prefixes(len(rods) - wings, wings), strict=True))
     components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():
@@ -52,10 +51,16 @@ def structure(name: str, fmus: dict[str, Path], kinds: dict[str, str], end: floa
 def pack(scene: Scene, folder: Path, fmus: dict[str, Path] | None = None) -> Path:
     """Write `NAME.ssp` with the units of `scene` into `folder` and return its path; `fmus` are the FMUs by unit, by
     default packed into `folder` first."""
-    units = unit_names(scene)
-    if len(units) < 2:
-        raise SceneError(f"the scene {scene.name} has only one unit, the {units[0]}: there is nothing to connect")
+    kinds = unit_kinds(scene)
+    if len(kinds) < 2:
+        only = next(iter(kinds))
+        raise SceneError(f"the scene {scene.name} has only one unit, the {only}: there is nothing to connect")
+    if "body" in kinds:
+        raise SceneError(
+            f"the scene {scene.name} has a flyer: what it carries is read before each step, which a system structure "
+            "cannot say"
+        )
     fmus = fmus or {name: package.pack(unit, folder) for name, unit in describe_all(scene).items()}
-    contents = {"SystemStructure.ssd": structure(scene.name, fmus, unit_kinds(scene), scene.time.end)}
+    contents = {"SystemStructure.ssd": structure(scene.name, fmus, scene.time.end, [*kinds.values()].count("wing"))}
     contents |= {f"resources/{path.name}": path.read_bytes() for path in fmus.values()}
     return package.write_archive(folder / f"{scene.name}.ssp", contents)
