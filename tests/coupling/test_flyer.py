@@ -180,3 +180,64 @@ def test_a_unit_that_announces_nothing_is_refused(tmp_path):
         del link.rod.variables["root.reaction"]
         with pytest.raises(CouplingError, match="which has no output `root.reaction`"):
             Carried("left", link, flight.body)
+
+
+def box(cells: int = 20) -> dict:
+    """A cube of fluid at rest that is held in the mean."""
+    return {
+        "density": 1.0,
+        "kinematic_viscosity": 0.02,
+        "box": {axis: [-1.0, 1.0] for axis in "xyz"} | {"cells": [cells] * 3},
+        "mean_flow": {},
+        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+    }
+
+
+@pytest.mark.parametrize("ratio", [0.1, 2.0])
+def test_a_sphere_falls_or_rises_as_the_same_one_on_a_mount(ratio, tmp_path):
+    """The load that the unit of a body gets is a step older."""
+    radius, steps = 0.3, 40
+    mass = ratio * 4.0 / 3.0 * math.pi * radius**3
+    motion = {"mass": mass, "inertia": 0.4 * mass * radius**2, "gravity": [0.3, 0.0, -1.0]}
+    ends = []
+    for own in ("mount", "flyer"):
+        body = {"shape": {"sphere": {"radius": radius}}, "position": [0.0] * 3, "pivot": [0.0] * 3}
+        scene = {"name": own, "time": {"end": 1.0, "communication_step": 0.01}, "fluid": box() | {"bodies": [body]}}
+        if own == "flyer":
+            body["motion"] = "master"
+            scene["flyer"] = motion | {"shape": 0, "hinges": []}
+        else:
+            body["mount"] = motion | {name: {} for name in ("x", "y", "z", "angle_x", "angle_y", "angle_z")}
+        with run(scene, tmp_path, steps) as session:
+            found = outputs(session, "fluid")
+        ends.append(np.array([found[f"body[1].{axis}"] for axis in "xyz"]))
+    mounted, flown = ends
+    off = np.abs(flown - mounted).max() / np.abs(mounted).max()
+    assert np.abs(mounted[2]) > 0.01 and off < 0.08, f"{flown} m, on a mount {mounted}"
+
+
+def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
+    """Mirror images stay mirror images, and a light wing is stable in the fluid."""
+    scene = pair(0.2)
+    for own in scene["wings"]:
+        own["wing"]["membrane"] |= {"areal_density": 0.5, "bending_stiffness": 0.02}
+    for hinge in scene["flyer"]["hinges"]:
+        hinge["motion"] = {"stroke": {"sine": {"amplitude": 0.8, "frequency": 2.0}}}
+        hinge["position"][0] *= 3.0
+    body = {"shape": {"sphere": {"radius": 0.15}}, "position": [0.0] * 3, "pivot": [0.0] * 3, "motion": "master"}
+    scene["fluid"], scene["flyer"]["shape"] = box() | {"bodies": [body]}, 0
+    with run(scene, tmp_path, 30) as session:
+        found, of_fluid = outputs(session), outputs(session, "fluid")
+    assert abs(found["y"]) > 1e-5 and max(abs(found[axis]) for axis in "xz") < 1e-9 * abs(found["y"])
+    assert of_fluid["wing[1].drag"] == pytest.approx(-of_fluid["wing[2].drag"], rel=1e-6)
+    assert of_fluid["body[1].y"] == pytest.approx(found["y"], rel=1e-12)
+
+
+def test_a_flight_resumes(tmp_path):
+    whole = nervure.run(nervure.Scene.model_validate(pair()), tmp_path / "whole", quiet=True)
+    half = nervure.Scene.model_validate(pair()).copy({"time.end": 0.125})
+    nervure.run(half, tmp_path / "half", quiet=True, checkpoint_every=100.0)
+    resumed = nervure.resume(tmp_path / "half", end_time=0.25, quiet=True)
+    # The last step of the half is longer by rounding.
+    assert resumed.series["body_y"] == pytest.approx(whole.series["body_y"], abs=1e-12)

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nervure_fluid::{
-    Body, Extent, Flexible, Fluid, Force, Law, Motion, Outline, Parameters, Polyline, Shape, Solid, Solvable, Space,
-    Triangulation, Turn, Zone,
+    Body, Extent, Flexible, Fluid, Force, Kinematics, Law, Motion, Outline, Parameters, Polyline, Shape, Solid,
+    Solvable, Triangulation, Turn, Zone,
 };
 use scene::WingMesh;
 

@@ -197,13 +197,6 @@ class Flight(Explicit):
         for watch in self.watches:
             watch.check(t + h)
 
-    def memory(self) -> dict[str, np.ndarray]:
-        return super().memory() | {"rest": np.array([*self.rest.values()])}
-
-    def remember(self, memory: dict[str, np.ndarray]) -> None:
-        super().remember(memory)
-        self.rest = dict(zip(AXES, memory["rest"].tolist(), strict=True))
-
     def step(self, t: float, h: float) -> int:
         self.step_rods(t, h)
         if self.flow:

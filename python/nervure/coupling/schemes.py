@@ -208,7 +208,7 @@ class Explicit(Scheme):
 
         def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
-            return np.split(values, np.cumsum(sizes)[:-1])
+            return np.split(values, np.cumsum(sizes))[:-1]
 
         self.fluid_stations, self.bodies = np.split(self.fluid.inputs, [self.fluid.inputs.size - len(bodies)])
         pairs = zip(self.rods, parts(self.fluid_stations, here), parts(self.fluid.exchanged, there), strict=True)

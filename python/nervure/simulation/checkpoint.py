@@ -127,7 +127,7 @@ def _carried(fmu: Path) -> Document:
 def _lasting(scene: Document) -> Document:
     """Return a scene without what differs between units, or after an extension."""
     time = {name: value for name, value in scene["time"].items() if name != "end"}
-    return {name: part for name, part in scene.items() if name != "this_rod"} | {"time": time}
+    return {name: part for name, part in scene.items() if name not in ("this_rod", "this_wing")} | {"time": time}
 
 
 def _extend(scene: Scene, done: int, end: float, options: Options, folder: Path) -> None:

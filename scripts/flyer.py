@@ -1,0 +1,101 @@
+"""Fly a body FMU with wing FMUs, in a fluid or without one, with fmpy alone, and write the way of the body.
+
+    nervure build examples/hover-flyer.json --output units
+    python scripts/flyer.py units/hover-flyer- body.csv 0.001 1e-5 left right
+
+One exchange a step: each wing announces what its root will bear, the body steps, the wings follow, then the fluid.
+"""
+
+import argparse
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from fsi3 import Unit  # type: ignore[import-not-found]
+
+WAY = [*"xyz", "vx", "vy", "vz", "angle_x", "angle_y", "angle_z"]
+BORNE = re.compile(r"root\.(force|moment)_[xyz]")
+ANNOUNCED = re.compile(r"root\.(reaction|impedance)\[")
+
+
+def give(source: Unit, target: Unit, names: dict[str, str]) -> None:
+    """Set inputs of `target` to outputs of `source`, by the names of these."""
+    target.set([*names.values()], source.get([*names]))
+
+
+class Carried:
+    """A wing with the names of what it exchanges with the body and with the fluid, where it has a prefix."""
+
+    def __init__(self, unit: Unit, name: str, prefix: str):
+        self.unit = unit
+        roots = [own for own in unit.inputs if own.startswith("root.") and own != "root.step"]
+        self.roots = {kind: {f"{name}.{kind}.{own[5:]}": own for own in roots} for kind in ("root", "reference")}
+        self.borne = {own: f"{name}.{own}" for own in unit.references if BORNE.fullmatch(own)}
+        self.announced = {own: f"{name}.{own}" for own in unit.references if ANNOUNCED.match(own)}
+        self.loads = {prefix + own: own for own in unit.inputs if not own.startswith("root.")}
+        self.prefix = prefix
+
+    def nodes(self, fluid: Unit) -> dict[str, str]:
+        """Return the names of the nodes at the wing and at the fluid."""
+        return {own.removeprefix(self.prefix): own for own in fluid.inputs if own.startswith(self.prefix)}
+
+
+def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float, h: float) -> Iterator[list[float]]:
+    """Time (s) and way of the body (m, m/s, rad), at t = 0 and after every communication step of `h` (s)."""
+    start, names = body.get([*"xyz"]), fluid.references if fluid else {}
+    loads = {own: own[own.index("load.") :] for own in names if re.match(r"body\[\d+\]\.load\.", own)}
+    shape = next(iter(loads), "").partition("load.")[0]
+    motions = {own: own.partition("motion.")[2] for own in names if shape and own.startswith(f"{shape}motion.")}
+
+    def follow() -> None:
+        if fluid:
+            for wing in wings:
+                give(wing.unit, fluid, wing.nodes(fluid))
+            for own, output in motions.items():
+                rest = dict(zip("xyz", start, strict=True)).get(output, 0.0)
+                fluid.set([own], [body.get([output])[0] - rest])
+
+    for wing in wings:
+        give(body, wing.unit, wing.roots["root"])
+    follow()
+    for unit in filter(None, [*(wing.unit for wing in wings), body, fluid]):
+        unit.fmu.exitInitializationMode()
+    yield [0.0, *body.get(WAY)]
+    for i in range(round(end / h)):
+        t = i * h
+        body.set(["step"], [h])
+        for wing in wings:
+            give(wing.unit, body, wing.borne)
+            if fluid:
+                give(fluid, body, loads)
+                give(fluid, wing.unit, wing.loads)
+            give(body, wing.unit, wing.roots["reference"])
+            wing.unit.set(["root.step"], [h])
+            give(wing.unit, body, wing.announced)
+        body.fmu.doStep(t, h)
+        for wing in wings:
+            give(body, wing.unit, wing.roots["root"])
+            wing.unit.fmu.doStep(t, h)
+        if fluid:
+            follow()
+            fluid.fmu.doStep(t, h)
+        yield [t + h, *body.get(WAY)]
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    for name, kind, text in (("units", str, "beginning of the FMUs' names"), ("csv", str, "file to write"),
+                             ("end", float, "s"), ("step", float, "s")):  # fmt: skip
+        parser.add_argument(name, type=kind, help=text)
+    parser.add_argument("wings", nargs="+", help="names of the wings")
+    given = parser.parse_args()
+    paths = {name: Path(f"{given.units}{name}.fmu") for name in ["body", *given.wings, "fluid"]}
+    units = {name: Unit(str(path), given.end) for name, path in paths.items() if path.exists()}
+    places = ["wing."] if len(given.wings) == 1 else [f"wing[{k}]." for k in range(1, len(given.wings) + 1)]
+    carried = [Carried(units[name], name, place) for name, place in zip(given.wings, places, strict=True)]
+    with open(given.csv, "w", encoding="utf-8", newline="") as file:
+        way = fly(units["body"], carried, units.get("fluid"), given.end, given.step)
+        csv.writer(file).writerows([["time", *WAY], *([f"{value:.10g}" for value in row] for row in way)])
+    for unit in units.values():
+        unit.close()
