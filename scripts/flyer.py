@@ -28,13 +28,12 @@ class Carried:
     """A wing with the names of what it exchanges with the body and with the fluid, where it has a prefix."""
 
     def __init__(self, unit: Unit, name: str, prefix: str):
-        self.unit = unit
+        self.unit, self.prefix = unit, prefix
         roots = [own for own in unit.inputs if own.startswith("root.") and own != "root.step"]
         self.roots = {kind: {f"{name}.{kind}.{own[5:]}": own for own in roots} for kind in ("root", "reference")}
         self.borne = {own: f"{name}.{own}" for own in unit.references if BORNE.fullmatch(own)}
         self.announced = {own: f"{name}.{own}" for own in unit.references if ANNOUNCED.match(own)}
         self.loads = {prefix + own: own for own in unit.inputs if not own.startswith("root.")}
-        self.prefix = prefix
 
     def nodes(self, fluid: Unit) -> dict[str, str]:
         """Return the names of the nodes at the wing and at the fluid."""
