@@ -44,6 +44,6 @@ pub(crate) fn check_name(name: &str, key: &str, taken: &[&str], faults: &mut Fau
         format!("a name is a letter, then letters a-z, A-Z, digits and _, at most {NAME_LENGTH} together")
     });
     let is_taken = taken.iter().any(|taken| taken.eq_ignore_ascii_case(name));
-    let names = || list(taken.iter().map(|name| format!("`{name}`")), "and");
+    let names = || list(taken, "and");
     faults.require(!is_taken, key, format!("{name:?}"), || format!("{} are the names of other units", names()));
 }
