@@ -11,7 +11,6 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
 use crate::space::{Freedoms, Space, Spin};
-use crate::two_grids::{GROWTH, RIM};
 
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
@@ -85,8 +84,14 @@ pub struct FineBox<const D: usize = 2> {
 }
 
 impl<const D: usize> FineBox<D> {
+    /// Width of the rim in which the fine flow is damped to the coarse one, coarse cells.
+    pub const RIM: f64 = 3.0;
+
+    /// Width beyond the rim in which W, the share of the flow that is given back, grows from 0 to 1, coarse cells.
+    pub const GROWTH: f64 = 2.0;
+
     /// Fewest coarse cells across it: both rims, and a body.
-    pub const LEAST_CELLS: usize = 2 * (RIM + GROWTH) as usize + 6;
+    pub const LEAST_CELLS: usize = 2 * (Self::RIM + Self::GROWTH) as usize + 6;
 
     /// Fine cells in a coarse one.
     pub const RATIOS: RangeInclusive<usize> = 2..=8;

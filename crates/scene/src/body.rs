@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Mount;
-use crate::scales::ReferenceScales;
+use crate::reference_scales::ReferenceScales;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

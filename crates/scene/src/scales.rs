@@ -15,17 +15,13 @@
 
 use geometry::vector::{cross, dot, minus, norm, turned};
 use mesh::Mesh;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::body::{Body, Shape};
-use crate::fault::{Check, Faults};
+use crate::reference_scales::{ACROSS, ReferenceScales, vector};
 use crate::root::{RootLaws, RootMotion};
 use crate::scene::{BeamWithRod, Scene};
 use crate::wing::Wing;
-
-/// Least part of a direction across the drag that lift can be along.
-const ACROSS: f64 = 0.1;
 
 /// Largest ratio of two sides of which one is the thinner.
 const THINNER: f64 = 0.999;
@@ -35,32 +31,6 @@ const FLAT: f64 = 0.95;
 
 /// Times at which a motion is followed for its largest velocity.
 const TIMES: usize = 4000;
-
-/// Scales of coefficients, in place of those that follow from the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ReferenceScales {
-    /// Length L, m.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub length: Option<f64>,
-    /// Area A, m²; only in three dimensions.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub area: Option<f64>,
-    /// Speed U, m/s.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub speed: Option<f64>,
-    /// Direction of the drag, of any length above 0; thrust is against it.
-    #[serde(default)]
-    #[schemars(length(min = 2, max = 3))]
-    pub drag: Option<Vec<f64>>,
-    /// Direction of the lift, of which the part across the drag counts.
-    #[serde(default)]
-    #[schemars(length(min = 2, max = 3))]
-    pub lift: Option<Vec<f64>>,
-}
 
 /// Scales of the coefficients of a body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -308,10 +278,6 @@ pub(crate) fn thin_normal(body: &Body) -> Option<[f64; 3]> {
     is_flat.then(|| std::array::from_fn(|e| (0..3).map(|d| sum[d] * axes[d][e]).sum::<f64>() / norm(sum)))
 }
 
-fn vector(components: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|d| components.get(d).copied().unwrap_or(0.0))
-}
-
 /// Return the lengths of points along the axes, m.
 fn extents(nodes: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
@@ -380,20 +346,4 @@ fn is_closed(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> bool {
         .collect();
     edges.sort_unstable();
     edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
-}
-
-impl Check for ReferenceScales {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        for (name, given) in [("drag", &self.drag), ("lift", &self.lift)] {
-            let has_length = given.as_ref().is_none_or(|own| own.iter().any(|part| *part != 0.0));
-            faults.require(has_length, &format!("{key}.{name}"), "zeros", || "a direction has a length".into());
-        }
-        if let (Some(drag), Some(lift)) = (&self.drag, &self.lift) {
-            let (d, l) = (vector(drag), vector(lift));
-            let is_across = norm(cross(d, l)) > ACROSS * norm(d) * norm(l);
-            faults.require(is_across || norm(d) * norm(l) == 0.0, &format!("{key}.lift"), format!("{lift:?}"), || {
-                format!("it is across the drag, {drag:?}")
-            });
-        }
-    }
 }

@@ -6,9 +6,8 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Fault, Faults, list};
+use crate::reference_scales::ReferenceScales;
 use crate::root::RootLaws;
-use crate::scales::ReferenceScales;
-use crate::wing_checks;
 
 /// Most nodes of a wing.
 const MOST_NODES: usize = 100_000;
@@ -360,7 +359,7 @@ impl Check for Wing {
             }
         }
         if faults.len() == before {
-            wing_checks::check(self, key, faults);
+            self.check_mesh(key, faults);
         }
     }
 }
