@@ -278,6 +278,28 @@ def test_the_master_moves_a_body_in_space(libraries):
     assert turn == pytest.approx(rotation(axis, 0.3)) and origin == pytest.approx([0.01, 0.0, 0.1])
 
 
+def test_a_body_pitches_and_rolls_about_its_edge(libraries, tmp_path):
+    roll, pitch = 0.8, 0.5  # rad, at the end
+
+    def law(angle: float) -> dict:
+        return {"sine": {"amplitude": angle, "frequency": 2.5}}
+
+    body = {
+        "shape": {"plate": {"length": 0.5, "width": 0.5}},
+        "position": [0.1, 0.0, -0.2],
+        "pivot": [0.0, 0.0, -0.25],
+        "motion": {"angle": law(pitch), "rotations": [{"axis": [2, 0, 0], "angle": law(roll)}]},
+    }
+    scene = validate(changed(bodies=[body], mask={"log_linear": {"c_eta": 1e-3}}))
+    series = api.run(scene, tmp_path, quiet=True).series
+    place = [series[f"body_1_{name}"][-1] for name in (*PLACE, *TURN)]
+    axes, origin = placed(scene.fluid.bodies[0], place)
+    expected = rotation([1, 0, 0], roll) @ rotation([0, 0, 1], pitch)
+    assert np.allclose(axes, expected, atol=1e-12), f"{axes} against {expected}"
+    assert np.allclose(origin, [0.1, 0, -0.2] + expected @ [0, 0, 0.25]), origin
+    assert series["body_1_power"][2] < 0, f"the fluid gives {series['body_1_power']} W to a body that is driven"
+
+
 def test_q_is_that_of_a_vortex_and_of_a_strain():
     """A column of Taylor and Green has Q = ± k² where it turns and where it strains, by differences a little less."""
     n, k = 32, 2 * np.pi
@@ -357,6 +379,15 @@ def test_memory_that_is_not_there_is_said_before_the_run(tmp_path, libraries):
         ({"box": {"x": [-1.5, 2.5], "y": [-1.0, 1.0], "cells": [32, 16]}}, ["two dimensions", "sphere"]),
         ({"cylinders": [{"center": [0.0, 0.0], "radius": 0.1}]}, ["fluid.cylinders", "bodies"]),
         ({"bodies": [{"shape": {"circle": {"radius": 0.1}}, "position": [0, 0, 0]}]}, ["circle", "sphere"]),
+        (
+            {
+                "bodies": [
+                    SPHERE["fluid"]["bodies"][0]
+                    | {"motion": {"rotations": [{"angle": {"constant": 1}, "axis": [0, 0, 0]}]}}
+                ]
+            },
+            ["bodies[0].motion.rotations[0].axis"],
+        ),
         ({"bodies": [{"shape": {"sphere": {"radius": 0.1}}, "position": [0, 0]}]}, ["position", "3 components"]),
         ({"bodies": [{"shape": {"cuboid": {"lengths": [1, 0, 1]}}, "position": [0, 0, 0]}]}, ["lengths", "> 0"]),
         ({"time_stepping": {"max_step": 0.02, "max_cfl": 0.4, "scheme": "rk2"}}, ["scheme", "sbdf2"]),

@@ -153,10 +153,9 @@ where
     Laws {
         /// Displacement of the pivot, m.
         displacement: [Law; D],
-        /// Axis in the domain about which the body turns, of the length 1; in the plane 1.
-        axis: Spin<D>,
-        /// Angle, rad, after the turn at rest.
-        angle: Law,
+        /// Axis in the domain, of the length 1, in the plane 1, and angle, rad, of the rotations about the pivot after
+        /// the turn at rest, in order.
+        rotations: Vec<(Spin<D>, Law)>,
     },
     /// As set from outside for the end of each communication step.
     Master,
@@ -532,8 +531,14 @@ where
 {
     /// A motion by laws, with an axis of any length above 0.
     pub fn laws(displacement: [Law; D], axis: Spin<D>, angle: Law) -> Self {
-        let length = <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
-        Self::Laws { displacement, axis: axis / length, angle }
+        Self::of_rotations(displacement, [(axis, angle)])
+    }
+
+    /// A motion by laws with one rotation or more, about axes of any length above 0.
+    pub fn of_rotations(displacement: [Law; D], rotations: impl IntoIterator<Item = (Spin<D>, Law)>) -> Self {
+        let length = |axis| <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
+        let rotations = rotations.into_iter().map(|(axis, angle)| (axis / length(axis), angle)).collect();
+        Self::Laws { displacement, rotations }
     }
 }
 

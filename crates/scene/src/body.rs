@@ -1,5 +1,7 @@
 //! Rigid bodies in the fluid: shape, place, motion and mount.
 
+use std::iter;
+
 use geometry::Section;
 use geometry::plane::Outline;
 use geometry::space::Solid;
@@ -13,6 +15,7 @@ use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Mount;
 use crate::reference_scales::ReferenceScales;
+use crate::root::Rotation;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -215,6 +218,22 @@ pub struct BodyMotion {
     /// Axis of the box about which the body turns, of any length above 0, by default z; only in three dimensions.
     #[serde(default)]
     pub axis: Option<[f64; 3]>,
+    /// Rotations about the pivot after that by `angle`, applied in order; only in three dimensions.
+    #[serde(default)]
+    pub rotations: Vec<Rotation>,
+}
+
+impl BodyMotion {
+    /// Return all laws: of the displacement, then of the rotations.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &TimeLaw> {
+        [&self.x, &self.y, &self.z].into_iter().chain(self.turns().map(|(_, angle)| angle))
+    }
+
+    /// Return axis and angle of the rotations, in order.
+    pub fn turns(&self) -> impl Iterator<Item = ([f64; 3], &TimeLaw)> {
+        let first = (self.axis.unwrap_or(Z), &self.angle);
+        iter::once(first).chain(self.rotations.iter().map(|own| (own.axis, &own.angle)))
+    }
 }
 
 impl Body {
@@ -274,6 +293,7 @@ impl Body {
         if let Some(motion) = motion {
             faults.forbid(motion.z != TimeLaw::default(), &format!("{key}.motion.z"), flat);
             faults.forbid(motion.axis.is_some(), &format!("{key}.motion.axis"), flat);
+            faults.forbid(!motion.rotations.is_empty(), &format!("{key}.motion.rotations"), flat);
         }
     }
 }
@@ -300,9 +320,9 @@ const ALONG: f64 = 1e-9;
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
     pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let Some(laws) = self.laws() else { return self.placed([0.0; 3], Z, 0.0, ends) };
+        let Some(laws) = self.laws() else { return self.placed([0.0; 3], [], ends) };
         let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
-        self.placed(displacement, laws.axis.unwrap_or(Z), laws.angle.value(t), ends)
+        self.placed(displacement, laws.turns().map(|(axis, angle)| (axis, angle.value(t))), ends)
     }
 
     /// Return the shape with the pivot at `position` (m) after a turn (rad), in the plane from the x axis and in space
@@ -310,30 +330,34 @@ impl Body {
     pub(crate) fn shape_in(&self, position: &[f64], turn: &[f64], ends: &[[f64; 2]]) -> geometry::Shape {
         let displacement = [0, 1, 2].map(|d| component(position, d) - component(&self.position, d));
         match *turn {
-            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [x, y, z], norm([x, y, z]), ends),
-            [angle] => self.placed(displacement, Z, angle - self.angle, ends),
-            _ => self.placed(displacement, Z, 0.0, ends),
+            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [([x, y, z], norm([x, y, z]))], ends),
+            [angle] => self.placed(displacement, [(Z, angle - self.angle)], ends),
+            _ => self.placed(displacement, [], ends),
         }
     }
 
-    /// Return the axes of the body after a turn by `angle` (rad) about an axis.
-    fn axes(&self, about: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
-        let by = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
+    /// Return the axes of the body after turns about axes by angles, rad.
+    fn axes(&self, turns: impl IntoIterator<Item = ([f64; 3], f64)>) -> [[f64; 3]; 3] {
+        let by = |v, (axis, angle): ([f64; 3], f64)| turned(v, axis.map(|part| part / norm(axis)), angle);
         let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-        [0, 1, 2].map(|d| match &self.turn {
-            Some(Turn { axis, angle: rest }) => by(by(own(d), *axis, *rest), about, angle),
-            None => by(own(d), about, self.angle + angle),
-        })
+        let rest = self.turn.as_ref().map_or((Z, self.angle), |turn| (turn.axis, turn.angle));
+        let at_rest = [0, 1, 2].map(|d| by(own(d), rest));
+        turns.into_iter().fold(at_rest, |axes, turn| axes.map(|axis| by(axis, turn)))
     }
 
     /// Return the axes of the body at rest.
     pub(crate) fn axes_at_rest(&self) -> [[f64; 3]; 3] {
-        self.axes(Z, 0.0)
+        self.axes([])
     }
 
-    /// Return the shape after a displacement (m) and a turn by `angle` (rad) about an axis in a box with these ends, m.
-    fn placed(&self, displacement: [f64; 3], about: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let axes = self.axes(about, angle);
+    /// Return the shape after a displacement (m) and turns about axes by angles (rad) in a box with these ends, m.
+    fn placed(
+        &self,
+        displacement: [f64; 3],
+        turns: impl IntoIterator<Item = ([f64; 3], f64)>,
+        ends: &[[f64; 2]],
+    ) -> geometry::Shape {
+        let axes = self.axes(turns);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
         let origin = [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d));
@@ -439,6 +463,7 @@ impl Check for Body {
         motion.y.check_at(&format!("{key}.motion.y"), faults);
         motion.z.check_at(&format!("{key}.motion.z"), faults);
         motion.angle.check_at(&format!("{key}.motion.angle"), faults);
+        motion.rotations.check_at(&format!("{key}.motion.rotations"), faults);
     }
 }
 
@@ -452,8 +477,9 @@ impl Body {
             .as_ref()
             .map_or(axis, |Turn { axis: about, angle }| turned(axis, about.map(|part| part / norm(*about)), *angle));
         let is_oblique = axis.iter().filter(|part| part.abs() > ALONG).count() > 1;
-        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
-        let leaves = moved.is_some_and(|about| norm(cross(axis, about)) > ALONG * norm(about));
+        let mut turns = self.laws().into_iter().flat_map(BodyMotion::turns);
+        let leaves =
+            turns.any(|(about, angle)| angle.largest() > 0.0 && norm(cross(axis, about)) > ALONG * norm(about));
         let name = if is_oblique { "turn" } else { "motion.angle" };
         faults.forbid(is_oblique || leaves, &format!("{key}.{name}"), || {
             "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()

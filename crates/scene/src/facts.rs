@@ -433,14 +433,15 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     for own in fluid.obstacles() {
         let Some(motion) = own.body.laws() else { continue };
         let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
-        let farthest = || match fluid.is_space() {
-            true => reach_from_axis(&own.body, &ends),
+        let farthest = |axis| match fluid.is_space() {
+            true => reach_from_axis(&own.body, axis, &ends),
             false => reach(&own.body),
         };
+        let turning = || norm(motion.turns().map(|(axis, angle)| angle.largest_rate() * farthest(axis)));
         add(
-            if speed > 0.0 { speed } else { motion.angle.largest_rate() * farthest() },
+            if speed > 0.0 { speed } else { turning() },
             format!("motion of {}", own.name),
-            first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
+            first_frequency(&motion.all().collect::<Vec<_>>()),
         );
     }
     for (i, body) in fluid.bodies.iter().enumerate() {

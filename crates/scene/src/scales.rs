@@ -125,9 +125,9 @@ fn own_axes(body: &Body) -> [[f64; 3]; 3] {
     })
 }
 
-/// Return the distance from the axis about which laws turn a body in space to its farthest node, corner or end of an own
+/// Return the distance from an `axis` through the pivot of a body in space to its farthest node, corner or end of an own
 /// axis, m.
-pub(crate) fn reach_from_axis(body: &Body, ends: &[[f64; 2]]) -> f64 {
+pub(crate) fn reach_from_axis(body: &Body, axis: [f64; 3], ends: &[[f64; 2]]) -> f64 {
     let (half, axes) = (body.shape.sides(ends).0.map(|side| 0.5 * side), own_axes(body));
     let points = match &body.shape {
         Shape::Cuboid { .. } => {
@@ -144,7 +144,6 @@ pub(crate) fn reach_from_axis(body: &Body, ends: &[[f64; 2]]) -> f64 {
             |(nodes, _)| nodes,
         ),
     };
-    let axis = body.laws().and_then(|laws| laws.axis).unwrap_or([0.0, 0.0, 1.0]);
     let distance = |point: [f64; 3]| {
         let arm = minus(point, vector(&body.pivot));
         let arm: [f64; 3] = std::array::from_fn(|e| (0..3).map(|d| arm[d] * axes[d][e]).sum());
@@ -159,7 +158,7 @@ fn of_body(body: &Body, ends: &[[f64; 2]], end: f64) -> Sized {
         let rates = |t: f64| [&laws.x, &laws.y, &laws.z].map(|law| law.value_and_rate(t).1);
         direction(fastest(rates, end))
     });
-    let turns = body.laws().is_some_and(|laws| laws.angle.largest_rate() > 0.0);
+    let turns = body.laws().is_some_and(|laws| laws.turns().any(|(_, angle)| angle.largest_rate() > 0.0));
     let (sides, area) = body.shape.sides(ends);
     Sized { axes, sides, area, heading: motion.filter(|_| !turns).unwrap_or(axes[0]), motion, turn: None }
 }

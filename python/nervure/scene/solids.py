@@ -19,7 +19,7 @@ from nervure.scene.types import (
 )
 
 PLACE = ("x", "y", "z")
-TURN = ("angle_x", "angle_y", "angle_z")  # Rotation vector of a body that no law moves
+TURN = ("angle_x", "angle_y", "angle_z")  # Rotation vector of a body that has no axis
 Z = (0.0, 0.0, 1.0)
 
 
@@ -27,7 +27,9 @@ def pose_names(fluid: Fluid, body: Body) -> tuple[str, ...]:
     """Return the outputs of the fluid for the place of a rigid body."""
     if not fluid.box.z:
         return POSE
-    return (*PLACE, *(TURN if body.mount or body.motion == "master" else ("angle",)))
+    motion = body.motion
+    has_axis = not motion or (isinstance(motion, BodyMotion) and not motion.rotations)
+    return (*PLACE, *(("angle",) if has_axis and not body.mount else TURN))
 
 
 def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
