@@ -3,11 +3,8 @@
 use std::iter;
 
 use geometry::Section;
-use geometry::plane::Outline;
-use geometry::space::Solid;
 use geometry::vector::{cross, dot, norm, turned};
-use geometry::{Chain, Placed, Surface, lies_on, meets};
-use method::Axis;
+use geometry::{Chain, Placed, Surface};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +13,7 @@ use crate::law::TimeLaw;
 use crate::mount::Mount;
 use crate::reference_scales::ReferenceScales;
 use crate::root::Rotation;
+use crate::shape::Shape;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -82,123 +80,6 @@ pub struct Turn {
     pub angle: f64,
 }
 
-/// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Shape {
-    /// A circle.
-    Circle {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// An ellipse.
-    Ellipse {
-        /// Length of the axis along the body's x, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Length of the axis along the body's y, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        thickness: f64,
-    },
-    /// A rectangle.
-    Rectangle {
-        /// Length along the body's x, m, ends included.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Thickness along the body's y, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        thickness: f64,
-        /// Form of the two ends along the body's x.
-        #[serde(default)]
-        ends: Ends,
-    },
-    /// A polygon.
-    Polygon {
-        /// Corners in order, either way round, m: 3 to 1000. The sides must not cross.
-        #[schemars(length(min = 3, max = 1000))]
-        corners: Vec<[f64; 2]>,
-    },
-    /// A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`.
-    Plate {
-        /// Length along the body's x, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Width along the body's z, m; only in three dimensions.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        width: Option<f64>,
-    },
-    /// An open line of no thickness, as a plate with corners.
-    Polyline {
-        /// Points in order, m: 2 to 1000. The sides must not cross.
-        #[schemars(length(min = 2, max = 1000))]
-        points: Vec<[f64; 2]>,
-    },
-    /// A sphere.
-    Sphere {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// An ellipsoid.
-    Ellipsoid {
-        /// Lengths of the axes along the body's x, y and z, m.
-        lengths: [f64; 3],
-    },
-    /// A cuboid; a plate is a thin one.
-    Cuboid {
-        /// Lengths along the body's x, y and z, m.
-        lengths: [f64; 3],
-    },
-    /// A disk of no thickness across the body's y, as a plate.
-    Disk {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// Triangles of no thickness, as a plate. A closed surface encloses fluid.
-    Triangulation {
-        /// Positions of the nodes, m.
-        #[serde(default)]
-        nodes: Vec<[f64; 3]>,
-        /// Nodes of each triangle, counted from 0.
-        #[serde(default)]
-        triangles: Vec<[usize; 3]>,
-        /// STL, OBJ or PLY file beside the scene's. `nervure` puts its nodes and triangles in the place of this key.
-        #[serde(default)]
-        file: Option<String>,
-        /// Length of the unit of the file, m; by default 1.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        unit: Option<f64>,
-    },
-    /// A circular cylinder in space.
-    CircularCylinder {
-        /// Axis of the body along which it lies.
-        #[serde(default)]
-        axis: Axis,
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-        /// Length, m; absent for a cylinder through the whole box, whose axis must lie along the box.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: Option<f64>,
-    },
-}
-
-/// Ends of a rectangle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Ends {
-    /// Flat.
-    #[default]
-    Square,
-    /// Half circles whose diameter is the thickness.
-    Round,
-}
-
 /// Prescribed motion of a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -239,20 +120,7 @@ impl BodyMotion {
 impl Body {
     /// Check that the parts exist in two dimensions, or in space; `key` is the path of the body.
     pub(crate) fn check_dimension(&self, key: &str, is_space: bool, faults: &mut Faults) {
-        let (spatial, name) = match self.shape {
-            Shape::Circle { .. } => (false, "circle"),
-            Shape::Ellipse { .. } => (false, "ellipse"),
-            Shape::Rectangle { .. } => (false, "rectangle"),
-            Shape::Polygon { .. } => (false, "polygon"),
-            Shape::Plate { width, .. } => (is_space && width.is_some(), "plate"),
-            Shape::Polyline { .. } => (false, "polyline"),
-            Shape::Sphere { .. } => (true, "sphere"),
-            Shape::Ellipsoid { .. } => (true, "ellipsoid"),
-            Shape::Cuboid { .. } => (true, "cuboid"),
-            Shape::CircularCylinder { .. } => (true, "circular_cylinder"),
-            Shape::Disk { .. } => (true, "disk"),
-            Shape::Triangulation { .. } => (true, "triangulation"),
-        };
+        let (spatial, name) = self.shape.dimension(is_space);
         if let Shape::Plate { width, .. } = self.shape {
             let key = format!("{key}.shape.plate.width");
             faults.forbid(!is_space && width.is_some(), &key, || "the fluid has two dimensions".into());
@@ -297,15 +165,6 @@ impl Body {
         }
     }
 }
-
-/// Nodes, m, and the triangles between them.
-type Triangles = (Vec<[f64; 3]>, Vec<[usize; 3]>);
-
-/// Edges along the diameter of a disk: the area of its triangles is a thousandth smaller.
-const DISK_EDGES: usize = 24;
-
-/// Most triangles of a surface.
-const MOST_TRIANGLES: usize = 100_000;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -381,75 +240,6 @@ impl Body {
     }
 }
 
-impl Shape {
-    /// Return a closed shape in the plane in the body's own axes.
-    pub fn outline(&self) -> Option<Outline> {
-        Some(match self {
-            Self::Circle { radius } => Outline::Circle(*radius),
-            Self::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
-            Self::Rectangle { length, thickness, ends: Ends::Square } => {
-                Outline::Rectangle([0.5 * length, 0.5 * thickness])
-            }
-            Self::Rectangle { length, thickness, ends: Ends::Round } => {
-                Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
-            }
-            Self::Polygon { corners } => Outline::polygon(corners.clone()),
-            _ => return None,
-        })
-    }
-
-    /// Return whether it goes through the whole box, along which it lies.
-    fn is_endless(&self) -> bool {
-        matches!(self, Self::CircularCylinder { length: None, .. })
-    }
-
-    /// Return whether it is a circle or a sphere.
-    pub(crate) fn is_round(&self) -> bool {
-        matches!(self, Self::Circle { .. } | Self::Sphere { .. })
-    }
-
-    /// Return a solid in space in the body's own axes, in a box with these ends (m).
-    pub fn solid(&self, ends: &[[f64; 2]]) -> Option<Solid> {
-        Some(match self {
-            Self::Sphere { radius } => Solid::Sphere(*radius),
-            Self::Ellipsoid { lengths } => Solid::Ellipsoid(lengths.map(|length| 0.5 * length)),
-            Self::Cuboid { lengths } => Solid::Cuboid(lengths.map(|length| 0.5 * length)),
-            Self::CircularCylinder { axis, radius, length } => {
-                let through = ends.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
-                let half_length = length.map_or(through, |length| 0.5 * length);
-                Solid::Cylinder { axis: *axis as usize, radius: *radius, half_length }
-            }
-            _ => return None,
-        })
-    }
-
-    /// Return the points of a line of no thickness in the body's own axes, m.
-    pub fn line(&self) -> Option<Vec<[f64; 2]>> {
-        match self {
-            Self::Plate { length, width: None } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
-            Self::Polyline { points } => Some(points.clone()),
-            _ => None,
-        }
-    }
-
-    /// Return nodes (m) and triangles of a surface of no thickness in space, in the body's own axes.
-    pub fn surface(&self) -> Option<Triangles> {
-        match self {
-            Self::Plate { length, width: Some(width) } => {
-                let (x, z) = (length / 2.0, width / 2.0);
-                let nodes = vec![[-x, 0.0, -z], [x, 0.0, -z], [x, 0.0, z], [-x, 0.0, z]];
-                Some((nodes, vec![[0, 1, 2], [0, 2, 3]]))
-            }
-            Self::Disk { radius } => {
-                let disk = mesh::ellipse(2.0 * radius, 2.0 * radius, DISK_EDGES);
-                Some((disk.nodes.iter().map(|[x, z, _]| [x - radius, 0.0, *z]).collect(), disk.triangles))
-            }
-            Self::Triangulation { nodes, triangles, .. } => Some((nodes.clone(), triangles.clone())),
-            _ => None,
-        }
-    }
-}
-
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
@@ -497,13 +287,6 @@ impl Body {
     }
 }
 
-impl Shape {
-    /// Return the area of a shape of two dimensions, m²; of others 0.
-    pub fn area(&self) -> f64 {
-        self.outline().map_or(0.0, |outline| outline.section().area)
-    }
-}
-
 impl Body {
     /// Return the volume, m³, and its moments of inertia about the axes of the body through the pivot for a density of 1,
     /// m⁵, in a box with these ends (m); in the plane the area and its moment about z. A line or a surface has none.
@@ -516,102 +299,5 @@ impl Body {
         let Some(solid) = self.shape.solid(ends) else { return (0.0, [0.0; 3]) };
         let (volume, own) = solid.inertia([0, 1, 2].map(|d| ends.get(d).map_or(0.0, |[low, high]| high - low)));
         (volume, [0, 1, 2].map(|d| own[d] + volume * (dot(pivot, pivot) - pivot[d].powi(2))))
-    }
-}
-
-impl Check for Shape {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        match self {
-            Self::Circle { .. }
-            | Self::Ellipse { .. }
-            | Self::Plate { .. }
-            | Self::Sphere { .. }
-            | Self::Disk { .. }
-            | Self::CircularCylinder { .. } => (),
-            Self::Triangulation { nodes, triangles, file, unit } => {
-                check_surface(nodes, triangles, file.as_ref(), *unit, &format!("{key}.triangulation"), faults);
-            }
-            Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
-                let name = if matches!(self, Self::Cuboid { .. }) { "cuboid" } else { "ellipsoid" };
-                let fits = lengths.iter().all(|length| *length > 0.0);
-                faults.require(fits, &format!("{key}.{name}.lengths"), format!("{lengths:?}"), || {
-                    "each length must be > 0".into()
-                });
-            }
-            Self::Rectangle { length, thickness, ends } => {
-                let fits = *ends == Ends::Square || thickness <= length;
-                faults.require(fits, &format!("{key}.rectangle.thickness"), thickness, || {
-                    format!("with round ends it must be at most the length, {length}")
-                });
-            }
-            Self::Polygon { corners } => check_corners(corners, true, &format!("{key}.polygon.corners"), faults),
-            Self::Polyline { points } => check_corners(points, false, &format!("{key}.polyline.points"), faults),
-        }
-    }
-}
-
-/// Check that triangles have nodes and areas; the first fault of each kind is added.
-fn check_surface(
-    nodes: &[[f64; 3]],
-    triangles: &[[usize; 3]],
-    file: Option<&String>,
-    unit: Option<f64>,
-    key: &str,
-    faults: &mut Faults,
-) {
-    if let Some(file) = file {
-        let key = format!("{key}.file");
-        let alone = nodes.is_empty() && triangles.is_empty();
-        if faults.forbid(!alone, &key, || "the surface has `nodes` and `triangles`; remove one of the two".into()) {
-            faults.refuse_file(&key, file);
-        }
-        return;
-    }
-    faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
-    let (name, count) = (format!("{key}.triangles"), triangles.len());
-    faults.require((1..=MOST_TRIANGLES).contains(&count), &name, format!("a list of {count}"), || {
-        format!("a surface has 1 to {MOST_TRIANGLES} triangles")
-    });
-    if let Some(i) = triangles.iter().position(|corners| corners.iter().any(|node| *node >= nodes.len())) {
-        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            format!("the surface has {} nodes, counted from 0", nodes.len())
-        });
-    } else if let Some(i) =
-        triangles.iter().position(|corners| !mesh::triangle_area(&corners.map(|node| nodes[node])).is_normal())
-    {
-        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            "these nodes lie on a line, or too far apart: the triangle has no area".into()
-        });
-    }
-}
-
-/// Check that the sides of a polygon, or of a line that is not `closed`, have a length and neither cross nor touch one
-/// another; the first fault is added.
-pub(crate) fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
-    let n = corners.len();
-    let count = if closed { n } else { n.saturating_sub(1) };
-    let side = |i: usize| [corners[i], corners[(i + 1) % n]];
-    if let Some(i) = (0..count).find(|&i| side(i)[0] == side(i)[1]) {
-        faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
-            "the next corner is the same".into()
-        });
-        return;
-    }
-    let touch = |i: usize, j: usize| {
-        let (one, other) = (side(i), side(j));
-        // Neighbours share a corner, and nothing else.
-        if j == i + 1 {
-            lies_on(other[1], one) || lies_on(one[0], other)
-        } else if closed && i == 0 && j == n - 1 {
-            lies_on(other[0], one) || lies_on(one[1], other)
-        } else {
-            meets(one, other)
-        }
-    };
-    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-    if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| touch(i, j)) {
-        faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
-            format!("the side that begins there meets the side that begins at corner {j}, {:?}", corners[j])
-        });
     }
 }

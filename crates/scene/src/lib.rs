@@ -33,6 +33,7 @@ mod root;
 mod scales;
 mod scene;
 mod schema;
+mod shape;
 mod spanwise;
 mod spline;
 mod stepping;
@@ -48,7 +49,7 @@ pub use ::method::{
     TimeScheme, WallCorrection,
 };
 pub use beam::{Beam, Root};
-pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Shape, Turn};
+pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
@@ -67,6 +68,7 @@ pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scales::Scales;
 pub use scene::{BeamWithRod, Display, Scene, Time};
+pub use shape::{Ends, Shape};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};

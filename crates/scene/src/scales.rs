@@ -17,10 +17,11 @@ use geometry::vector::{cross, dot, minus, norm, turned};
 use mesh::Mesh;
 use serde::Serialize;
 
-use crate::body::{Body, Shape};
+use crate::body::Body;
 use crate::reference_scales::{ACROSS, ReferenceScales, vector};
 use crate::root::{RootLaws, RootMotion};
 use crate::scene::{BeamWithRod, Scene};
+use crate::shape::{areas, extents};
 use crate::wing::Wing;
 
 /// Largest ratio of two sides of which one is the thinner.
@@ -128,28 +129,13 @@ fn own_axes(body: &Body) -> [[f64; 3]; 3] {
 /// Return the distance from an `axis` through the pivot of a body in space to its farthest node, corner or end of an own
 /// axis, m.
 pub(crate) fn reach_from_axis(body: &Body, axis: [f64; 3], ends: &[[f64; 2]]) -> f64 {
-    let (half, axes) = (body.shape.sides(ends).0.map(|side| 0.5 * side), own_axes(body));
-    let points = match &body.shape {
-        Shape::Cuboid { .. } => {
-            (0..8).map(|i| [0, 1, 2].map(|d| if i >> d & 1 == 0 { half[d] } else { -half[d] })).collect()
-        }
-        shape => shape.surface().map_or_else(
-            || {
-                (0..6)
-                    .map(|i| {
-                        [0, 1, 2].map(|d| if i / 2 == d { half[d] * if i % 2 == 0 { 1.0 } else { -1.0 } } else { 0.0 })
-                    })
-                    .collect()
-            },
-            |(nodes, _)| nodes,
-        ),
-    };
+    let axes = own_axes(body);
     let distance = |point: [f64; 3]| {
         let arm = minus(point, vector(&body.pivot));
         let arm: [f64; 3] = std::array::from_fn(|e| (0..3).map(|d| arm[d] * axes[d][e]).sum());
         norm(cross(arm, axis)) / norm(axis)
     };
-    points.into_iter().map(distance).fold(0.0, f64::max)
+    body.shape.points(ends).into_iter().map(distance).fold(0.0, f64::max)
 }
 
 fn of_body(body: &Body, ends: &[[f64; 2]], end: f64) -> Sized {
@@ -275,74 +261,4 @@ pub(crate) fn thin_normal(body: &Body) -> Option<[f64; 3]> {
     let is_flat = norm(sum) > FLAT * areas.iter().map(|area| norm(*area)).sum::<f64>();
     let axes = own_axes(body);
     is_flat.then(|| std::array::from_fn(|e| (0..3).map(|d| sum[d] * axes[d][e]).sum::<f64>() / norm(sum)))
-}
-
-/// Return the lengths of points along the axes, m.
-fn extents(nodes: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let along = nodes.iter().map(|node| node[axis]);
-        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-    })
-}
-
-impl Shape {
-    /// Return the sides of a body in space along its own axes, m, and its largest projection along one of them or, of a
-    /// surface, along its mean normal, m²; of a body in the plane zeros. A cylinder may go through a box with the
-    /// `ends`.
-    pub(crate) fn sides(&self, ends: &[[f64; 2]]) -> ([f64; 3], f64) {
-        let largest = |[x, y, z]: [f64; 3]| f64::max(f64::max(x * y, y * z), z * x);
-        let quarter = std::f64::consts::FRAC_PI_4;
-        match self {
-            Self::Sphere { radius } => ([2.0 * radius; 3], quarter * 4.0 * radius * radius),
-            Self::Ellipsoid { lengths } => (*lengths, quarter * largest(*lengths)),
-            Self::Cuboid { lengths } => (*lengths, largest(*lengths)),
-            Self::CircularCylinder { axis, radius, length } => {
-                let through = ends.get(*axis as usize).map_or(0.0, |[low, high]| high - low);
-                let (d, length) = (2.0 * radius, length.unwrap_or(through));
-                let sides = std::array::from_fn(|i| if i == *axis as usize { length } else { d });
-                (sides, f64::max(d * length, quarter * d * d))
-            }
-            Self::Disk { radius } => ([2.0 * radius, 0.0, 2.0 * radius], quarter * 4.0 * radius * radius),
-            _ => self
-                .surface()
-                .map_or(([0.0; 3], 0.0), |(nodes, triangles)| (extents(&nodes), projection(&nodes, &triangles))),
-        }
-    }
-}
-
-/// Return the largest projection of triangles along a coordinate axis or their mean normal, m²; each line meets a closed
-/// surface twice.
-fn projection(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> f64 {
-    let areas = areas(nodes, triangles);
-    let along = |axis: [f64; 3]| areas.iter().map(|area| dot(*area, axis).abs()).sum::<f64>();
-    let sum = areas.iter().fold([0.0; 3], |sum, area| std::array::from_fn(|d| sum[d] + area[d]));
-    let mut axes = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let total = areas.iter().map(|area| norm(*area)).sum::<f64>();
-    let is_closed = is_closed(nodes, triangles);
-    if !is_closed && norm(sum) > ACROSS * total {
-        axes.push(sum.map(|part| part / norm(sum)));
-    }
-    let largest = axes.into_iter().map(along).fold(0.0, f64::max);
-    if is_closed { 0.5 * largest } else { largest }
-}
-
-/// Return the areas of triangles along their normals, m².
-fn areas(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> Vec<[f64; 3]> {
-    let area = |corners: &[usize; 3]| {
-        let [a, b, c] = corners.map(|node| nodes[node]);
-        cross(minus(b, a), minus(c, a)).map(|part| 0.5 * part)
-    };
-    triangles.iter().map(area).collect()
-}
-
-/// Return whether two triangles meet at each edge; nodes in one place are one.
-fn is_closed(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> bool {
-    let place = |node: usize| nodes[node].map(|part| (part + 0.0).to_bits());
-    let mut edges: Vec<_> = triangles
-        .iter()
-        .flat_map(|corners| [0, 1, 2].map(|i| [place(corners[i]), place(corners[(i + 1) % 3])]))
-        .map(|[a, b]| if a < b { [a, b] } else { [b, a] })
-        .collect();
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
 }

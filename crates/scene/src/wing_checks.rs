@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use mesh::{Bend, Mesh, MeshEdge};
 
-use crate::body::check_corners;
 use crate::fault::{Faults, list};
+use crate::shape::check_corners;
 use crate::warning::Warning;
 use crate::wing::{Wing, WingMesh, WingSupport};
 
