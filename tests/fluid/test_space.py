@@ -129,10 +129,11 @@ def test_sections_are_those_of_turned_bodies():
         cuboid | {"turn": {"axis": [1, 0, 0], "angle": 0.2}, "pivot": [0.4, 0, 0]},
         {"shape": {"circular_cylinder": {"axis": "x", "radius": 0.3}}, "position": [0, 0, 0]},
         {"shape": {"ellipsoid": {"lengths": [0.8, 0.4, 0.2]}}, "position": [0, 0, 0]},
+        {"shape": {"capsule": {"axis": "x", "radius": 0.2, "length": 0.8}}, "position": [0, 0, 0]},
     ]
     scene = validate(changed(bodies=bodies, box=SPHERE["fluid"]["box"] | {"cells": [32, 32, 32]}))
     assert scene.fluid
-    turned, tipped, cylinder, flat = scene.fluid.bodies
+    turned, tipped, cylinder, flat, capsule = scene.fluid.bodies
     (outline,) = MIDDLE.body(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
     corner = rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
     assert outline.max(axis=0)[0] == pytest.approx(corner[0], abs=2e-3)
@@ -143,8 +144,10 @@ def test_sections_are_those_of_turned_bodies():
     assert outline[:, 1].max() == pytest.approx(0.24, abs=2e-3)
     assert outline[:, 0].max() - outline[:, 0].min() > 4.0, "it goes through the box"
     assert MIDDLE.body(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
-    solids = flow.View(scene).outlines([], [[0.0, 0.0, 0.0, 0.0]] * 4)
-    assert len(solids) == 4
+    (outline,) = MIDDLE.body(capsule, [0.0, 0.0, 0.12, 0.0], scene.fluid)
+    assert outline.max(axis=0) == pytest.approx([0.2 + 0.16, 0.16], abs=2e-3), "0.16 from its core"
+    solids = flow.View(scene).outlines([], [[0.0, 0.0, 0.0, 0.0]] * 5)
+    assert len(solids) == 5
 
 
 PLATE = {"shape": {"plate": {"length": 0.8, "width": 0.6}}, "position": [0.0, 0.0, 0.05]}

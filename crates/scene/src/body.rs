@@ -126,11 +126,9 @@ impl Body {
             faults.forbid(!is_space && width.is_some(), &key, || "the fluid has two dimensions".into());
         }
         faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
-            true => {
-                "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, disk, triangulation or a \
-                     plate with a width"
-                    .into()
-            }
+            true => "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, capsule, disk, \
+                     triangulation or a plate with a width"
+                .into(),
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
         if let Some(mount) = &self.mount {

@@ -124,6 +124,18 @@ pub enum Shape {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         length: Option<f64>,
     },
+    /// A circular cylinder with half spheres at its ends, in three dimensions.
+    Capsule {
+        /// Axis of the body along which it lies.
+        #[serde(default)]
+        axis: Axis,
+        /// Radius, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        radius: f64,
+        /// Length from tip to tip, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length: f64,
+    },
 }
 
 /// Ends of a rectangle.
@@ -151,6 +163,7 @@ impl Shape {
             Self::Ellipsoid { .. } => (true, "ellipsoid"),
             Self::Cuboid { .. } => (true, "cuboid"),
             Self::CircularCylinder { .. } => (true, "circular_cylinder"),
+            Self::Capsule { .. } => (true, "capsule"),
             Self::Disk { .. } => (true, "disk"),
             Self::Triangulation { .. } => (true, "triangulation"),
         }
@@ -192,6 +205,9 @@ impl Shape {
                 let through = ends.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
                 let half_length = length.map_or(through, |length| 0.5 * length);
                 Solid::Cylinder { axis: *axis as usize, radius: *radius, half_length }
+            }
+            Self::Capsule { axis, radius, length } => {
+                Solid::Capsule { axis: *axis as usize, radius: *radius, half_length: 0.5 * length - radius }
             }
             _ => return None,
         })
@@ -240,6 +256,7 @@ impl Shape {
             Self::CircularCylinder { radius, length, .. } => {
                 [2.0 * radius, length.map_or(2.0 * radius, |l| l.min(2.0 * radius))]
             }
+            Self::Capsule { radius, length, .. } => [*length, 2.0 * radius],
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
             Self::Plate { length, width } => [width.map_or(*length, |width| width.max(*length)), 0.0],
             Self::Disk { radius } => [2.0 * radius, 0.0],
@@ -274,6 +291,11 @@ impl Shape {
                 let (d, length) = (2.0 * radius, length.unwrap_or(through));
                 let sides = std::array::from_fn(|i| if i == *axis as usize { length } else { d });
                 (sides, f64::max(d * length, quarter * d * d))
+            }
+            Self::Capsule { axis, radius, length } => {
+                let d = 2.0 * radius;
+                let sides = std::array::from_fn(|i| if i == *axis as usize { *length } else { d });
+                (sides, d * (length - d) + quarter * d * d)
             }
             Self::Disk { radius } => ([2.0 * radius, 0.0, 2.0 * radius], quarter * 4.0 * radius * radius),
             _ => self
@@ -321,7 +343,7 @@ impl Shape {
     /// Return the strain rate at the front in a stream, by U and the length: 4 for a circle, 2 for a plate.
     pub(crate) fn strain_factor(&self) -> f64 {
         match self {
-            Self::Circle { .. } | Self::Sphere { .. } | Self::CircularCylinder { .. } => 4.0,
+            Self::Circle { .. } | Self::Sphere { .. } | Self::CircularCylinder { .. } | Self::Capsule { .. } => 4.0,
             _ => 2.0,
         }
     }
@@ -350,6 +372,11 @@ impl Check for Shape {
                 let fits = *ends == Ends::Square || thickness <= length;
                 faults.require(fits, &format!("{key}.rectangle.thickness"), thickness, || {
                     format!("with round ends it must be at most the length, {length}")
+                });
+            }
+            Self::Capsule { radius, length, .. } => {
+                faults.require(*length >= 2.0 * radius, &format!("{key}.capsule.length"), length, || {
+                    format!("from tip to tip it is at least the diameter, {}", 2.0 * radius)
                 });
             }
             Self::Polygon { corners } => check_corners(corners, true, &format!("{key}.polygon.corners"), faults),

@@ -9,6 +9,7 @@ from nervure.scene.types import (
     Body,
     BodyMotion,
     Fluid,
+    ShapeCapsule,
     ShapeCircularCylinder,
     ShapeCuboid,
     ShapeDisk,
@@ -75,6 +76,18 @@ def half_lengths(body: Body, longest: float) -> tuple[np.ndarray, Callable[[np.n
             half[along] = (cylinder.length or longest) / 2
             across = [axis for axis in range(3) if axis != along]
             return half, lambda points: np.maximum(np.abs(points[..., along]), round_(points[..., across]))
+        case ShapeCapsule(capsule=capsule):
+            along = "xyz".index(capsule.axis)
+            half = np.full(3, capsule.radius)
+            half[along] = capsule.length / 2
+            core = capsule.length / 2 - capsule.radius
+
+            def from_core(points: np.ndarray) -> np.ndarray:
+                arm = points * half
+                arm[..., along] -= np.clip(arm[..., along], -core, core)
+                return round_(arm) / capsule.radius
+
+            return half, from_core
     raise AssertionError("a body in space has one of these shapes")
 
 
