@@ -1,6 +1,8 @@
-"""A plate of no thickness in a stream, beside a solution on a mesh with a slit (`peers/ngsolve_plate.py`).
+"""A plate of no thickness in a stream, beside a solution on a mesh with a slit (`peers/ngsolve_plate.py`), and one that
+pitches up and down, beside an immersed boundary.
 
-Box, stream and start are those of the reference, so that only the plate and the grid differ.
+Box, stream and start are those of the reference, so that only the plate and the grid differ; the pitching plate is in a
+far field.
 """
 
 from __future__ import annotations
@@ -11,6 +13,8 @@ from math import hypot, radians
 from pathlib import Path
 from time import process_time
 from typing import Any
+
+import numpy as np
 
 from studies import commands, show, simulate
 from studies.engine import FLUID, Case, Study
@@ -27,6 +31,45 @@ REFERENCE: dict[tuple[int, str], dict[str, float]] = {
     (int(row["angle"]), str(row["time"])): row for row in commands.read(PUBLISHED / "plate_re100_ngsolve.csv")
 }
 """Coefficients and their errors by angle (°) and time (s), "mean" or "steady"."""
+
+
+RAMP = {"cl_max": 3.132, "cd_max": 2.508, "cl_2": 2.619, "cl_3.5": 2.202}
+"""Largest coefficients after t = 1.5 and lift at two times of Eldredge's ramp, 0 to 45° and back about the front, of
+IBPM.jl on 50 cells a chord, the finer of its two boxes."""
+RAMP_CELLS, STEADY = (12, 24, 48), 8.0  # Cells a chord; time until the ramp, s
+
+
+def ramp(cells: int) -> dict[str, Any]:
+    """Return the changes to Eldredge's ramp on two grids, a = 11 and t1 to t4 = 1, 3, 4, 6."""
+    time = np.linspace(-0.5, 7.5, 1601)
+    one, three, four, six = (np.logaddexp(11 * (time - t), -11 * (time - t)) for t in (1, 3, 4, 6))
+    angle = one + six - three - four
+    angle *= -radians(45) / angle.max()
+    points = {"times": [0.0, *(STEADY + time).round(6)], "values": [0.0, *(angle - angle[0])]}
+    body = {"shape": {"plate": {"length": 1.0}}, "pivot": [-0.5, 0.0], "motion": {"angle": {"table": points}}}
+    step = 0.16 / cells
+    return dict.fromkeys(("beam", "rod"), "absent") | simulate.on_grid(16 * cells, 16 * cells, step) | {
+        "time.end": STEADY + 7,
+        "fluid.box.x": [-12.0, 20.0],
+        "fluid.box.y": [-16.0, 16.0],
+        "fluid.fine_box": {"x": [-2.5, 4.0], "y": [-2.5, 2.0], "ratio": 2},
+        "fluid.sponge.x": [18.0, 20.0],
+        "fluid.kinematic_viscosity": 0.01,
+        "fluid.mean_flow.y": {"constant": 0.0},
+        "fluid.mask.log_linear.c_eta": 1e-5 * (48 / cells) ** 2,
+        "fluid.bodies": [body | {"position": [0.0, 0.0]}],
+    }  # fmt: skip
+
+
+def pitching(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the values of `RAMP`."""
+    begin = process_time()
+    series = simulate.completed(case.built(), folder)
+    time, lift, drag = series["time"] - STEADY, 2 * series["lift"], 2 * series["drag"]
+    late = time > 1.5
+    values = {"cl_max": lift[late].max(), "cd_max": drag[late].max()}
+    values |= {f"cl_{t:g}": np.interp(t, time, lift) for t in (2, 3.5)}
+    return {"values": {name: float(v) for name, v in values.items()}, "times": {"cpu_s": process_time() - begin}}
 
 
 def changes(angle: int, cells: int, shift: tuple[float, float] = SHIFT, end: float = 4.0) -> dict[str, Any]:
@@ -60,6 +103,9 @@ def cases() -> Iterator[Case]:
         yield case(angle, cells, "mean", changes(angle, cells))
     for cells in CELLS[:3]:  # On a grid line, or asymmetry grows until the wake meanders
         yield case(0, cells, "steady", changes(0, cells, (SHIFT[0], 0.0), STEADY_END))
+    for cells in RAMP_CELLS:
+        about = {"expected": RAMP, "cells": cells, "grid": f"{cells} cells"}
+        yield Case(f"ramp/{cells}", FLUID, SCENE, ramp(cells), action=pitching, about=about, quick=cells < 48)
 
 
 def case(angle: int, cells: int, time: str, changes: dict[str, Any]) -> Case:
@@ -73,7 +119,7 @@ def beside(data: Data) -> list[dict[str, Any]]:
     """Return the reference of each angle with its error, the errors by cells a chord, and the order of that of the
     force."""
     rows = []
-    for (time, angle), records in show.grouped((r.view for r in data.of("slit/*")), "time", "angle").items():
+    for (time, angle), records in show.grouped((r.view for r in data.of("slit/[ms]*")), "time", "angle").items():
         known = REFERENCE[angle, time]
         row = {"angle": f"{angle}°" + ", steady" * (time == "steady"), "cd": known["cd"]}
         row["error"] = (abs(known["cd_mesh"]) + abs(known["cd_step"])) / known["cd"]

@@ -121,7 +121,8 @@ where
         for (k, of) in part.bodies.iter().enumerate() {
             let (name, body, k) = (format!("body[{}].", k + 1), format!("body {}", k + 1), cylinders + k);
             list.force_and_moment(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k));
-            list.motion(&name, &body, k, !of.is_driven() && of.mount.is_none());
+            let has_axis = of.motion.is_none() || of.laws().is_some_and(|laws| laws.rotations.is_empty());
+            list.motion(&name, &body, k, has_axis && of.mount.is_none());
             if of.is_driven() {
                 list.displacement(&name, &body, k);
             }
@@ -242,7 +243,7 @@ where
     }
 
     /// Add power, place and angle of rigid body number `k`.
-    fn motion(&mut self, name: &str, body: &str, k: usize, follows_laws: bool) {
+    fn motion(&mut self, name: &str, body: &str, k: usize, has_axis: bool) {
         let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
         self.output(format!("{name}power"), "W", power, move |fluid| fluid.power_on_body(k));
         self.position(name, &format!("the pivot of {body}"), k);
@@ -250,7 +251,7 @@ where
         if D == 2 {
             let text = format!("Angle from the x axis to that of {body}, positive to the left");
             self.output(format!("{name}angle"), "rad", text, move |fluid| angle(fluid, 0));
-        } else if follows_laws {
+        } else if has_axis {
             let text = format!("Angle of the motion of {body} about its axis");
             self.output(format!("{name}angle"), "rad", text, move |fluid| fluid.angle_of_law(k));
         } else {

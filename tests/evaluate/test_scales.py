@@ -117,6 +117,7 @@ def test_thrust_is_against_the_stream_along_any_axis(stream, lengths):
         ({"sphere": {"radius": 0.5}}, 1.0, np.pi / 4),
         ({"ellipsoid": {"lengths": [1.0, 1.0, 2.0]}}, 1.0, np.pi / 2),
         ({"circular_cylinder": {"axis": "z", "radius": 0.25}}, 0.5, 2.0),
+        ({"capsule": {"axis": "z", "radius": 0.25, "length": 1.5}}, 0.5, 0.5 + np.pi / 16),
         ({"disk": {"radius": 0.5}}, 1.0, np.pi / 4),
     ],
 )

@@ -129,10 +129,11 @@ def test_sections_are_those_of_turned_bodies():
         cuboid | {"turn": {"axis": [1, 0, 0], "angle": 0.2}, "pivot": [0.4, 0, 0]},
         {"shape": {"circular_cylinder": {"axis": "x", "radius": 0.3}}, "position": [0, 0, 0]},
         {"shape": {"ellipsoid": {"lengths": [0.8, 0.4, 0.2]}}, "position": [0, 0, 0]},
+        {"shape": {"capsule": {"axis": "x", "radius": 0.2, "length": 0.8}}, "position": [0, 0, 0]},
     ]
     scene = validate(changed(bodies=bodies, box=SPHERE["fluid"]["box"] | {"cells": [32, 32, 32]}))
     assert scene.fluid
-    turned, tipped, cylinder, flat = scene.fluid.bodies
+    turned, tipped, cylinder, flat, capsule = scene.fluid.bodies
     (outline,) = MIDDLE.body(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
     corner = rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
     assert outline.max(axis=0)[0] == pytest.approx(corner[0], abs=2e-3)
@@ -143,8 +144,10 @@ def test_sections_are_those_of_turned_bodies():
     assert outline[:, 1].max() == pytest.approx(0.24, abs=2e-3)
     assert outline[:, 0].max() - outline[:, 0].min() > 4.0, "it goes through the box"
     assert MIDDLE.body(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
-    solids = flow.View(scene).outlines([], [[0.0, 0.0, 0.0, 0.0]] * 4)
-    assert len(solids) == 4
+    (outline,) = MIDDLE.body(capsule, [0.0, 0.0, 0.12, 0.0], scene.fluid)
+    assert outline.max(axis=0) == pytest.approx([0.2 + 0.16, 0.16], abs=2e-3), "0.16 from its core"
+    solids = flow.View(scene).outlines([], [[0.0, 0.0, 0.0, 0.0]] * 5)
+    assert len(solids) == 5
 
 
 PLATE = {"shape": {"plate": {"length": 0.8, "width": 0.6}}, "position": [0.0, 0.0, 0.05]}
@@ -278,6 +281,28 @@ def test_the_master_moves_a_body_in_space(libraries):
     assert turn == pytest.approx(rotation(axis, 0.3)) and origin == pytest.approx([0.01, 0.0, 0.1])
 
 
+def test_a_body_pitches_and_rolls_about_its_edge(libraries, tmp_path):
+    roll, pitch = 0.8, 0.5  # rad, at the end
+
+    def law(angle: float) -> dict:
+        return {"sine": {"amplitude": angle, "frequency": 2.5}}
+
+    body = {
+        "shape": {"plate": {"length": 0.5, "width": 0.5}},
+        "position": [0.1, 0.0, -0.2],
+        "pivot": [0.0, 0.0, -0.25],
+        "motion": {"angle": law(pitch), "rotations": [{"axis": [2, 0, 0], "angle": law(roll)}]},
+    }
+    scene = validate(changed(bodies=[body], mask={"log_linear": {"c_eta": 1e-3}}))
+    series = api.run(scene, tmp_path, quiet=True).series
+    place = [series[f"body_1_{name}"][-1] for name in (*PLACE, *TURN)]
+    axes, origin = placed(scene.fluid.bodies[0], place)
+    expected = rotation([1, 0, 0], roll) @ rotation([0, 0, 1], pitch)
+    assert np.allclose(axes, expected, atol=1e-12), f"{axes} against {expected}"
+    assert np.allclose(origin, [0.1, 0, -0.2] + expected @ [0, 0, 0.25]), origin
+    assert series["body_1_power"][2] < 0, f"the fluid gives {series['body_1_power']} W to a body that is driven"
+
+
 def test_q_is_that_of_a_vortex_and_of_a_strain():
     """A column of Taylor and Green has Q = ± k² where it turns and where it strains, by differences a little less."""
     n, k = 32, 2 * np.pi
@@ -357,6 +382,15 @@ def test_memory_that_is_not_there_is_said_before_the_run(tmp_path, libraries):
         ({"box": {"x": [-1.5, 2.5], "y": [-1.0, 1.0], "cells": [32, 16]}}, ["two dimensions", "sphere"]),
         ({"cylinders": [{"center": [0.0, 0.0], "radius": 0.1}]}, ["fluid.cylinders", "bodies"]),
         ({"bodies": [{"shape": {"circle": {"radius": 0.1}}, "position": [0, 0, 0]}]}, ["circle", "sphere"]),
+        (
+            {
+                "bodies": [
+                    SPHERE["fluid"]["bodies"][0]
+                    | {"motion": {"rotations": [{"angle": {"constant": 1}, "axis": [0, 0, 0]}]}}
+                ]
+            },
+            ["bodies[0].motion.rotations[0].axis"],
+        ),
         ({"bodies": [{"shape": {"sphere": {"radius": 0.1}}, "position": [0, 0]}]}, ["position", "3 components"]),
         ({"bodies": [{"shape": {"cuboid": {"lengths": [1, 0, 1]}}, "position": [0, 0, 0]}]}, ["lengths", "> 0"]),
         ({"time_stepping": {"max_step": 0.02, "max_cfl": 0.4, "scheme": "rk2"}}, ["scheme", "sbdf2"]),

@@ -38,9 +38,8 @@ impl TryFrom<&Scene> for Parameters<3> {
         let turn = |body: &scene::Body| {
             body.turn.as_ref().map_or(Turn { axis: Z, angle: 0.0 }, |turn| Turn { axis: turn.axis, angle: turn.angle })
         };
-        let axis = |motion: &scene::BodyMotion| Vector::from(motion.axis.unwrap_or(Z));
         let shape = scene.flyer.as_ref().and_then(|flyer| flyer.shape);
-        let bodies = bodies(fluid, solid, turn, axis).enumerate();
+        let bodies = bodies(fluid, solid, turn, Vector::from).enumerate();
         Ok(Self {
             bodies: bodies.map(|(k, body)| Body { announces: shape == Some(k), ..body }).collect(),
             flexible: rods_and_wings(scene),
@@ -164,7 +163,7 @@ fn bodies<'a, const D: usize>(
     fluid: &'a scene::Fluid,
     shape: impl Fn(&scene::Shape) -> Arc<dyn Shape<D>> + 'a,
     turn: impl Fn(&scene::Body) -> <[f64; D] as Kinematics<D>>::Turn + 'a,
-    axis: impl Fn(&scene::BodyMotion) -> Spin<D> + 'a,
+    axis: impl Fn([f64; 3]) -> Spin<D> + 'a,
 ) -> impl Iterator<Item = Body<D>> + 'a
 where
     [f64; D]: Space<D>,
@@ -174,7 +173,7 @@ where
             BodyDrive::Master(_) => Motion::Master,
             BodyDrive::Laws(laws) => {
                 let displacement = std::array::from_fn(|axis| law([&laws.x, &laws.y, &laws.z][axis]));
-                Motion::laws(displacement, axis(laws), law(&laws.angle))
+                Motion::of_rotations(displacement, laws.turns().map(|(about, angle)| (axis(about), law(angle))))
             }
         };
         Body {

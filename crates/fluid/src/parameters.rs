@@ -11,7 +11,6 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
 use crate::space::{Freedoms, Kinematics, Space, Spin};
-use crate::two_grids::{GROWTH, RIM};
 
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
@@ -85,8 +84,14 @@ pub struct FineBox<const D: usize = 2> {
 }
 
 impl<const D: usize> FineBox<D> {
+    /// Width of the rim in which the fine flow is damped to the coarse one, coarse cells.
+    pub const RIM: f64 = 3.0;
+
+    /// Width beyond the rim in which W, the share of the flow that is given back, grows from 0 to 1, coarse cells.
+    pub const GROWTH: f64 = 2.0;
+
     /// Fewest coarse cells across it: both rims, and a body.
-    pub const LEAST_CELLS: usize = 2 * (RIM + GROWTH) as usize + 6;
+    pub const LEAST_CELLS: usize = 2 * (Self::RIM + Self::GROWTH) as usize + 6;
 
     /// Fine cells in a coarse one.
     pub const RATIOS: RangeInclusive<usize> = 2..=8;
@@ -150,10 +155,9 @@ where
     Laws {
         /// Displacement of the pivot, m.
         displacement: [Law; D],
-        /// Axis in the domain about which the body turns, of the length 1; in the plane 1.
-        axis: Spin<D>,
-        /// Angle, rad, after the turn at rest.
-        angle: Law,
+        /// Axis in the domain, of the length 1, in the plane 1, and angle, rad, of the rotations about the pivot after
+        /// the turn at rest, in order.
+        rotations: Vec<(Spin<D>, Law)>,
     },
     /// As set from outside for the end of each communication step.
     Master,
@@ -529,8 +533,14 @@ where
 {
     /// A motion by laws, with an axis of any length above 0.
     pub fn laws(displacement: [Law; D], axis: Spin<D>, angle: Law) -> Self {
-        let length = <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
-        Self::Laws { displacement, axis: axis / length, angle }
+        Self::of_rotations(displacement, [(axis, angle)])
+    }
+
+    /// A motion by laws with one rotation or more, about axes of any length above 0.
+    pub fn of_rotations(displacement: [Law; D], rotations: impl IntoIterator<Item = (Spin<D>, Law)>) -> Self {
+        let length = |axis| <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
+        let rotations = rotations.into_iter().map(|(axis, angle)| (axis / length(axis), angle)).collect();
+        Self::Laws { displacement, rotations }
     }
 }
 

@@ -29,6 +29,15 @@ pub enum Solid {
         /// Half its length, m; infinite without ends.
         half_length: f64,
     },
+    /// Circular cylinder with half spheres at its ends.
+    Capsule {
+        /// Own axis along which it lies.
+        axis: usize,
+        /// Radius, m.
+        radius: f64,
+        /// Half the length of the cylinder, m.
+        half_length: f64,
+    },
 }
 
 impl Solid {
@@ -40,6 +49,11 @@ impl Solid {
             Self::Cylinder { axis, radius, half_length } => {
                 let mut half = [radius; 3];
                 half[axis] = half_length;
+                half
+            }
+            Self::Capsule { axis, radius, half_length } => {
+                let mut half = [radius; 3];
+                half[axis] += half_length;
                 half
             }
         }
@@ -58,6 +72,14 @@ impl Solid {
                 let mut square = [0.25 * radius * radius; 3];
                 square[axis] = half * half / 3.0;
                 (2.0 * half * PI * radius * radius, square)
+            }
+            Self::Capsule { axis, radius, half_length } => {
+                let [cylinder, ends] = [2.0 * half_length, 4.0 / 3.0 * radius].map(|h| h * PI * radius * radius);
+                let volume = cylinder + ends;
+                let mut square = [(0.25 * cylinder + 0.2 * ends) * radius * radius / volume; 3];
+                let along = half_length * (half_length + 0.75 * radius) + radius * radius / 5.0;
+                square[axis] = (cylinder * half_length * half_length / 3.0 + ends * along) / volume;
+                (volume, square)
             }
         };
         let sum: f64 = square.iter().sum();
@@ -89,6 +111,12 @@ impl Region<3> for Solid {
                     (end, unit(axis, point[axis]))
                 }
             }
+            Self::Capsule { axis, radius, half_length } => {
+                let mut from_core = point;
+                from_core[axis] -= point[axis].clamp(-half_length, half_length);
+                let distance = norm(from_core);
+                (distance - radius, from_core.map(|at| at / distance.max(f64::MIN_POSITIVE)))
+            }
         };
         Nearest { distance, surface: std::array::from_fn(|d| point[d] - distance * normal[d]), normal }
     }
@@ -103,6 +131,7 @@ impl Region<3> for Solid {
                 let ends = if along == 0.0 { 0.0 } else { half_length * along };
                 radius * (1.0 - along * along).max(0.0).sqrt() + ends
             }
+            Self::Capsule { axis, radius, half_length } => radius + half_length * direction[axis].abs(),
         }
     }
 
@@ -169,8 +198,15 @@ mod tests {
         let (cuboid, ball) = (Solid::Cuboid([0.5, 0.3, 0.1]), Solid::Sphere(0.3));
         let cylinder = Solid::Cylinder { axis: 1, radius: 0.3, half_length: 0.5 };
         let found = [cuboid.nearest([0.1, -0.2, 0.05]), cuboid.nearest([0.7, 0.0, 0.1]), ball.nearest([0.3, 0.4, 0.0])];
-        let more = [cylinder.nearest([0.0, 0.45, 0.1]), cylinder.nearest([0.3, 0.2, -0.4])];
-        let (distances, expected) = (found.iter().chain(&more).map(|own| own.distance), [-0.05, 0.2, 0.2, -0.05, 0.2]);
+        let capsule = Solid::Capsule { axis: 0, radius: 0.2, half_length: 0.5 };
+        let more = [
+            cylinder.nearest([0.0, 0.45, 0.1]),
+            cylinder.nearest([0.3, 0.2, -0.4]),
+            capsule.nearest([-0.8, 0.4, 0.0]),
+            capsule.nearest([0.3, 0.0, -0.1]),
+        ];
+        let distances = found.iter().chain(&more).map(|own| own.distance);
+        let expected = [-0.05, 0.2, 0.2, -0.05, 0.2, 0.3, -0.1];
         for (i, (own, wanted)) in distances.zip(expected).enumerate() {
             assert!((own - wanted).abs() < 1e-15, "{i}: {own}, not {wanted}");
         }
@@ -185,6 +221,7 @@ mod tests {
             Solid::Ellipsoid([0.5, 0.3, 0.2]),
             Solid::Cuboid([0.5, 0.3, 0.2]),
             Solid::Cylinder { axis: 2, radius: 0.4, half_length: f64::INFINITY },
+            Solid::Capsule { axis: 1, radius: 0.4, half_length: 0.5 },
         ];
         for solid in solids {
             let (mut volume, mut moments) = (0.0, [0.0; 3]);

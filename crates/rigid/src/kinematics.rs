@@ -98,6 +98,9 @@ pub trait Kinematics<const D: usize>:
     /// Turn a vector of the domain to the axes of a body.
     fn turn_back(orientation: &Self::Orientation, vector: Vector<D>) -> Vector<D>;
 
+    /// Return angle and angular velocity after a further rotation by an angle that has a rate.
+    fn turned(turn: (Self::Spin, Self::Spin), angle: Self::Spin, rate: Self::Spin) -> (Self::Spin, Self::Spin);
+
     /// Return the rate at which an angle (see [`Self::orientation`]) grows with an angular velocity.
     fn angle_rate(angle: Self::Spin, omega: Self::Spin) -> Self::Spin;
 
@@ -195,6 +198,11 @@ impl Kinematics<2> for [f64; 2] {
     }
 
     #[inline]
+    fn turned((before, omega): (f64, f64), angle: f64, rate: f64) -> (f64, f64) {
+        (before + angle, omega + rate)
+    }
+
+    #[inline]
     fn angle_rate(_: f64, omega: f64) -> f64 {
         omega
     }
@@ -281,6 +289,17 @@ impl Kinematics<3> for [f64; 3] {
     #[inline(always)]
     fn turn_back(orientation: &Matrix3<f64>, vector: Vector3<f64>) -> Vector3<f64> {
         orientation.tr_mul(&vector)
+    }
+
+    #[inline]
+    fn turned(
+        (before, omega): (Vector3<f64>, Vector3<f64>),
+        angle: Vector3<f64>,
+        rate: Vector3<f64>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let by = Rotation3::new(angle);
+        let angle = if before == Vector3::zeros() { angle } else { (by * Rotation3::new(before)).scaled_axis() };
+        (angle, by * omega + rate)
     }
 
     /// The inverse of the left Jacobian of rotations: `omega − ½ θ × omega + c θ × (θ × omega)`.

@@ -1,18 +1,19 @@
 //! Rigid bodies in the fluid: shape, place, motion and mount.
 
+use std::iter;
+
 use geometry::Section;
-use geometry::plane::Outline;
-use geometry::space::Solid;
 use geometry::vector::{cross, dot, norm, turned};
-use geometry::{Chain, Placed, Surface, lies_on, meets};
-use method::Axis;
+use geometry::{Chain, Placed, Surface};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Mount;
-use crate::scales::ReferenceScales;
+use crate::reference_scales::ReferenceScales;
+use crate::root::Rotation;
+use crate::shape::Shape;
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -86,123 +87,6 @@ impl Turn {
     }
 }
 
-/// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Shape {
-    /// A circle.
-    Circle {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// An ellipse.
-    Ellipse {
-        /// Length of the axis along the body's x, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Length of the axis along the body's y, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        thickness: f64,
-    },
-    /// A rectangle.
-    Rectangle {
-        /// Length along the body's x, m, ends included.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Thickness along the body's y, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        thickness: f64,
-        /// Form of the two ends along the body's x.
-        #[serde(default)]
-        ends: Ends,
-    },
-    /// A polygon.
-    Polygon {
-        /// Corners in order, either way round, m: 3 to 1000. The sides must not cross.
-        #[schemars(length(min = 3, max = 1000))]
-        corners: Vec<[f64; 2]>,
-    },
-    /// A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`.
-    Plate {
-        /// Length along the body's x, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: f64,
-        /// Width along the body's z, m; only in three dimensions.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        width: Option<f64>,
-    },
-    /// An open line of no thickness, as a plate with corners.
-    Polyline {
-        /// Points in order, m: 2 to 1000. The sides must not cross.
-        #[schemars(length(min = 2, max = 1000))]
-        points: Vec<[f64; 2]>,
-    },
-    /// A sphere.
-    Sphere {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// An ellipsoid.
-    Ellipsoid {
-        /// Lengths of the axes along the body's x, y and z, m.
-        lengths: [f64; 3],
-    },
-    /// A cuboid; a plate is a thin one.
-    Cuboid {
-        /// Lengths along the body's x, y and z, m.
-        lengths: [f64; 3],
-    },
-    /// A disk of no thickness across the body's y, as a plate.
-    Disk {
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-    },
-    /// Triangles of no thickness, as a plate. A closed surface encloses fluid.
-    Triangulation {
-        /// Positions of the nodes, m.
-        #[serde(default)]
-        nodes: Vec<[f64; 3]>,
-        /// Nodes of each triangle, counted from 0.
-        #[serde(default)]
-        triangles: Vec<[usize; 3]>,
-        /// STL, OBJ or PLY file beside the scene's. `nervure` puts its nodes and triangles in the place of this key.
-        #[serde(default)]
-        file: Option<String>,
-        /// Length of the unit of the file, m; by default 1.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        unit: Option<f64>,
-    },
-    /// A circular cylinder in space.
-    CircularCylinder {
-        /// Axis of the body along which it lies.
-        #[serde(default)]
-        axis: Axis,
-        /// Radius, m.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        radius: f64,
-        /// Length, m; absent for a cylinder through the whole box, whose axis must lie along the box.
-        #[serde(default)]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
-        length: Option<f64>,
-    },
-}
-
-/// Ends of a rectangle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Ends {
-    /// Flat.
-    #[default]
-    Square,
-    /// Half circles whose diameter is the thickness.
-    Round,
-}
-
 /// Prescribed motion of a body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -222,35 +106,36 @@ pub struct BodyMotion {
     /// Axis of the box about which the body turns, of any length above 0, by default z; only in three dimensions.
     #[serde(default)]
     pub axis: Option<[f64; 3]>,
+    /// Rotations about the pivot after that by `angle`, applied in order; only in three dimensions.
+    #[serde(default)]
+    pub rotations: Vec<Rotation>,
+}
+
+impl BodyMotion {
+    /// Return all laws: of the displacement, then of the rotations.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &TimeLaw> {
+        [&self.x, &self.y, &self.z].into_iter().chain(self.turns().map(|(_, angle)| angle))
+    }
+
+    /// Return axis and angle of the rotations, in order.
+    pub fn turns(&self) -> impl Iterator<Item = ([f64; 3], &TimeLaw)> {
+        let first = (self.axis.unwrap_or(Z), &self.angle);
+        iter::once(first).chain(self.rotations.iter().map(|own| (own.axis, &own.angle)))
+    }
 }
 
 impl Body {
     /// Check that the parts exist in two dimensions, or in space; `key` is the path of the body.
     pub(crate) fn check_dimension(&self, key: &str, is_space: bool, faults: &mut Faults) {
-        let (spatial, name) = match self.shape {
-            Shape::Circle { .. } => (false, "circle"),
-            Shape::Ellipse { .. } => (false, "ellipse"),
-            Shape::Rectangle { .. } => (false, "rectangle"),
-            Shape::Polygon { .. } => (false, "polygon"),
-            Shape::Plate { width, .. } => (is_space && width.is_some(), "plate"),
-            Shape::Polyline { .. } => (false, "polyline"),
-            Shape::Sphere { .. } => (true, "sphere"),
-            Shape::Ellipsoid { .. } => (true, "ellipsoid"),
-            Shape::Cuboid { .. } => (true, "cuboid"),
-            Shape::CircularCylinder { .. } => (true, "circular_cylinder"),
-            Shape::Disk { .. } => (true, "disk"),
-            Shape::Triangulation { .. } => (true, "triangulation"),
-        };
+        let (spatial, name) = self.shape.dimension(is_space);
         if let Shape::Plate { width, .. } = self.shape {
             let key = format!("{key}.shape.plate.width");
             faults.forbid(!is_space && width.is_some(), &key, || "the fluid has two dimensions".into());
         }
         faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
-            true => {
-                "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, disk, triangulation or a \
-                     plate with a width"
-                    .into()
-            }
+            true => "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, capsule, disk, \
+                     triangulation or a plate with a width"
+                .into(),
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
         if let Some(mount) = &self.mount {
@@ -281,18 +166,10 @@ impl Body {
         if let Some(motion) = motion {
             faults.forbid(motion.z != TimeLaw::default(), &format!("{key}.motion.z"), flat);
             faults.forbid(motion.axis.is_some(), &format!("{key}.motion.axis"), flat);
+            faults.forbid(!motion.rotations.is_empty(), &format!("{key}.motion.rotations"), flat);
         }
     }
 }
-
-/// Nodes, m, and the triangles between them.
-type Triangles = (Vec<[f64; 3]>, Vec<[usize; 3]>);
-
-/// Edges along the diameter of a disk: the area of its triangles is a thousandth smaller.
-const DISK_EDGES: usize = 24;
-
-/// Most triangles of a surface.
-const MOST_TRIANGLES: usize = 100_000;
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
@@ -307,9 +184,9 @@ const ALONG: f64 = 1e-9;
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
     pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let Some(laws) = self.laws() else { return self.placed([0.0; 3], Z, 0.0, ends) };
+        let Some(laws) = self.laws() else { return self.placed([0.0; 3], [], ends) };
         let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
-        self.placed(displacement, laws.axis.unwrap_or(Z), laws.angle.value(t), ends)
+        self.placed(displacement, laws.turns().map(|(axis, angle)| (axis, angle.value(t))), ends)
     }
 
     /// Return the shape with the pivot at `position` (m) after a turn (rad), in the plane from the x axis and in space
@@ -317,30 +194,34 @@ impl Body {
     pub(crate) fn shape_in(&self, position: &[f64], turn: &[f64], ends: &[[f64; 2]]) -> geometry::Shape {
         let displacement = [0, 1, 2].map(|d| component(position, d) - component(&self.position, d));
         match *turn {
-            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [x, y, z], norm([x, y, z]), ends),
-            [angle] => self.placed(displacement, Z, angle - self.angle, ends),
-            _ => self.placed(displacement, Z, 0.0, ends),
+            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [([x, y, z], norm([x, y, z]))], ends),
+            [angle] => self.placed(displacement, [(Z, angle - self.angle)], ends),
+            _ => self.placed(displacement, [], ends),
         }
     }
 
-    /// Return the axes of the body after a turn by `angle` (rad) about an axis.
-    fn axes(&self, about: [f64; 3], angle: f64) -> [[f64; 3]; 3] {
-        let by = |v, axis: [f64; 3], angle| turned(v, axis.map(|part| part / norm(axis)), angle);
+    /// Return the axes of the body after turns about axes by angles, rad.
+    fn axes(&self, turns: impl IntoIterator<Item = ([f64; 3], f64)>) -> [[f64; 3]; 3] {
+        let by = |v, (axis, angle): ([f64; 3], f64)| turned(v, axis.map(|part| part / norm(axis)), angle);
         let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-        [0, 1, 2].map(|d| match &self.turn {
-            Some(Turn { axis, angle: rest }) => by(by(own(d), *axis, *rest), about, angle),
-            None => by(own(d), about, self.angle + angle),
-        })
+        let rest = self.turn.as_ref().map_or((Z, self.angle), |turn| (turn.axis, turn.angle));
+        let at_rest = [0, 1, 2].map(|d| by(own(d), rest));
+        turns.into_iter().fold(at_rest, |axes, turn| axes.map(|axis| by(axis, turn)))
     }
 
     /// Return the axes of the body at rest.
     pub(crate) fn axes_at_rest(&self) -> [[f64; 3]; 3] {
-        self.axes(Z, 0.0)
+        self.axes([])
     }
 
-    /// Return the shape after a displacement (m) and a turn by `angle` (rad) about an axis in a box with these ends, m.
-    fn placed(&self, displacement: [f64; 3], about: [f64; 3], angle: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let axes = self.axes(about, angle);
+    /// Return the shape after a displacement (m) and turns about axes by angles (rad) in a box with these ends, m.
+    fn placed(
+        &self,
+        displacement: [f64; 3],
+        turns: impl IntoIterator<Item = ([f64; 3], f64)>,
+        ends: &[[f64; 2]],
+    ) -> geometry::Shape {
+        let axes = self.axes(turns);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
         let origin = [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d));
@@ -364,75 +245,6 @@ impl Body {
     }
 }
 
-impl Shape {
-    /// Return a closed shape in the plane in the body's own axes.
-    pub fn outline(&self) -> Option<Outline> {
-        Some(match self {
-            Self::Circle { radius } => Outline::Circle(*radius),
-            Self::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
-            Self::Rectangle { length, thickness, ends: Ends::Square } => {
-                Outline::Rectangle([0.5 * length, 0.5 * thickness])
-            }
-            Self::Rectangle { length, thickness, ends: Ends::Round } => {
-                Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
-            }
-            Self::Polygon { corners } => Outline::polygon(corners.clone()),
-            _ => return None,
-        })
-    }
-
-    /// Return whether it goes through the whole box, along which it lies.
-    fn is_endless(&self) -> bool {
-        matches!(self, Self::CircularCylinder { length: None, .. })
-    }
-
-    /// Return whether it is a circle or a sphere.
-    pub(crate) fn is_round(&self) -> bool {
-        matches!(self, Self::Circle { .. } | Self::Sphere { .. })
-    }
-
-    /// Return a solid in space in the body's own axes, in a box with these ends (m).
-    pub fn solid(&self, ends: &[[f64; 2]]) -> Option<Solid> {
-        Some(match self {
-            Self::Sphere { radius } => Solid::Sphere(*radius),
-            Self::Ellipsoid { lengths } => Solid::Ellipsoid(lengths.map(|length| 0.5 * length)),
-            Self::Cuboid { lengths } => Solid::Cuboid(lengths.map(|length| 0.5 * length)),
-            Self::CircularCylinder { axis, radius, length } => {
-                let through = ends.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
-                let half_length = length.map_or(through, |length| 0.5 * length);
-                Solid::Cylinder { axis: *axis as usize, radius: *radius, half_length }
-            }
-            _ => return None,
-        })
-    }
-
-    /// Return the points of a line of no thickness in the body's own axes, m.
-    pub fn line(&self) -> Option<Vec<[f64; 2]>> {
-        match self {
-            Self::Plate { length, width: None } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
-            Self::Polyline { points } => Some(points.clone()),
-            _ => None,
-        }
-    }
-
-    /// Return nodes (m) and triangles of a surface of no thickness in space, in the body's own axes.
-    pub fn surface(&self) -> Option<Triangles> {
-        match self {
-            Self::Plate { length, width: Some(width) } => {
-                let (x, z) = (length / 2.0, width / 2.0);
-                let nodes = vec![[-x, 0.0, -z], [x, 0.0, -z], [x, 0.0, z], [-x, 0.0, z]];
-                Some((nodes, vec![[0, 1, 2], [0, 2, 3]]))
-            }
-            Self::Disk { radius } => {
-                let disk = mesh::ellipse(2.0 * radius, 2.0 * radius, DISK_EDGES);
-                Some((disk.nodes.iter().map(|[x, z, _]| [x - radius, 0.0, *z]).collect(), disk.triangles))
-            }
-            Self::Triangulation { nodes, triangles, .. } => Some((nodes.clone(), triangles.clone())),
-            _ => None,
-        }
-    }
-}
-
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
@@ -446,6 +258,7 @@ impl Check for Body {
         motion.y.check_at(&format!("{key}.motion.y"), faults);
         motion.z.check_at(&format!("{key}.motion.z"), faults);
         motion.angle.check_at(&format!("{key}.motion.angle"), faults);
+        motion.rotations.check_at(&format!("{key}.motion.rotations"), faults);
     }
 }
 
@@ -459,8 +272,9 @@ impl Body {
             .as_ref()
             .map_or(axis, |Turn { axis: about, angle }| turned(axis, about.map(|part| part / norm(*about)), *angle));
         let is_oblique = axis.iter().filter(|part| part.abs() > ALONG).count() > 1;
-        let moved = self.laws().filter(|laws| laws.angle.largest() > 0.0).map(|laws| laws.axis.unwrap_or(Z));
-        let leaves = moved.is_some_and(|about| norm(cross(axis, about)) > ALONG * norm(about));
+        let mut turns = self.laws().into_iter().flat_map(BodyMotion::turns);
+        let leaves =
+            turns.any(|(about, angle)| angle.largest() > 0.0 && norm(cross(axis, about)) > ALONG * norm(about));
         let name = if is_oblique { "turn" } else { "motion.angle" };
         faults.forbid(is_oblique || leaves, &format!("{key}.{name}"), || {
             "a cylinder through the whole box lies along it: choose its `axis`, or give it a `length`".into()
@@ -478,13 +292,6 @@ impl Body {
     }
 }
 
-impl Shape {
-    /// Return the area of a shape of two dimensions, m²; of others 0.
-    pub fn area(&self) -> f64 {
-        self.outline().map_or(0.0, |outline| outline.section().area)
-    }
-}
-
 impl Body {
     /// Return the volume, m³, and its moments of inertia about the axes of the body through the pivot for a density of 1,
     /// m⁵, in a box with these ends (m); in the plane the area and its moment about z. A line or a surface has none.
@@ -497,102 +304,5 @@ impl Body {
         let Some(solid) = self.shape.solid(ends) else { return (0.0, [0.0; 3]) };
         let (volume, own) = solid.inertia([0, 1, 2].map(|d| ends.get(d).map_or(0.0, |[low, high]| high - low)));
         (volume, [0, 1, 2].map(|d| own[d] + volume * (dot(pivot, pivot) - pivot[d].powi(2))))
-    }
-}
-
-impl Check for Shape {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        match self {
-            Self::Circle { .. }
-            | Self::Ellipse { .. }
-            | Self::Plate { .. }
-            | Self::Sphere { .. }
-            | Self::Disk { .. }
-            | Self::CircularCylinder { .. } => (),
-            Self::Triangulation { nodes, triangles, file, unit } => {
-                check_surface(nodes, triangles, file.as_ref(), *unit, &format!("{key}.triangulation"), faults);
-            }
-            Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
-                let name = if matches!(self, Self::Cuboid { .. }) { "cuboid" } else { "ellipsoid" };
-                let fits = lengths.iter().all(|length| *length > 0.0);
-                faults.require(fits, &format!("{key}.{name}.lengths"), format!("{lengths:?}"), || {
-                    "each length must be > 0".into()
-                });
-            }
-            Self::Rectangle { length, thickness, ends } => {
-                let fits = *ends == Ends::Square || thickness <= length;
-                faults.require(fits, &format!("{key}.rectangle.thickness"), thickness, || {
-                    format!("with round ends it must be at most the length, {length}")
-                });
-            }
-            Self::Polygon { corners } => check_corners(corners, true, &format!("{key}.polygon.corners"), faults),
-            Self::Polyline { points } => check_corners(points, false, &format!("{key}.polyline.points"), faults),
-        }
-    }
-}
-
-/// Check that triangles have nodes and areas; the first fault of each kind is added.
-fn check_surface(
-    nodes: &[[f64; 3]],
-    triangles: &[[usize; 3]],
-    file: Option<&String>,
-    unit: Option<f64>,
-    key: &str,
-    faults: &mut Faults,
-) {
-    if let Some(file) = file {
-        let key = format!("{key}.file");
-        let alone = nodes.is_empty() && triangles.is_empty();
-        if faults.forbid(!alone, &key, || "the surface has `nodes` and `triangles`; remove one of the two".into()) {
-            faults.refuse_file(&key, file);
-        }
-        return;
-    }
-    faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
-    let (name, count) = (format!("{key}.triangles"), triangles.len());
-    faults.require((1..=MOST_TRIANGLES).contains(&count), &name, format!("a list of {count}"), || {
-        format!("a surface has 1 to {MOST_TRIANGLES} triangles")
-    });
-    if let Some(i) = triangles.iter().position(|corners| corners.iter().any(|node| *node >= nodes.len())) {
-        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            format!("the surface has {} nodes, counted from 0", nodes.len())
-        });
-    } else if let Some(i) =
-        triangles.iter().position(|corners| !mesh::triangle_area(&corners.map(|node| nodes[node])).is_normal())
-    {
-        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
-            "these nodes lie on a line, or too far apart: the triangle has no area".into()
-        });
-    }
-}
-
-/// Check that the sides of a polygon, or of a line that is not `closed`, have a length and neither cross nor touch one
-/// another; the first fault is added.
-pub(crate) fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
-    let n = corners.len();
-    let count = if closed { n } else { n.saturating_sub(1) };
-    let side = |i: usize| [corners[i], corners[(i + 1) % n]];
-    if let Some(i) = (0..count).find(|&i| side(i)[0] == side(i)[1]) {
-        faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
-            "the next corner is the same".into()
-        });
-        return;
-    }
-    let touch = |i: usize, j: usize| {
-        let (one, other) = (side(i), side(j));
-        // Neighbours share a corner, and nothing else.
-        if j == i + 1 {
-            lies_on(other[1], one) || lies_on(one[0], other)
-        } else if closed && i == 0 && j == n - 1 {
-            lies_on(other[0], one) || lies_on(one[1], other)
-        } else {
-            meets(one, other)
-        }
-    };
-    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-    if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| touch(i, j)) {
-        faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
-            format!("the side that begins there meets the side that begins at corner {j}, {:?}", corners[j])
-        });
     }
 }

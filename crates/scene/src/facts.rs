@@ -23,7 +23,7 @@ use method::{Support, Surface};
 use serde::Serialize;
 
 use crate::beam::Beam;
-use crate::body::{Body, Shape};
+use crate::body::Body;
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::law_warnings;
@@ -287,7 +287,7 @@ fn dimensionless(
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
     let length = first_scales.map(|own| own.length);
     let thicknesses = thicknesses(scene, fluid, beams);
-    let strains: Vec<_> = fluid.obstacles().map(|own| strain_factor(&own.body)).collect();
+    let strains: Vec<_> = fluid.obstacles().map(|own| own.body.shape.strain_factor()).collect();
     let bodies = scales.iter().zip(thicknesses).enumerate().map(|(i, ((name, Scales { length, .. }), thickness))| {
         let factor = strains.get(i).copied().unwrap_or(if i > 0 { 0.0 } else { 2.0 });
         let strain = factor * fastest / length;
@@ -359,14 +359,6 @@ fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts
     Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
-/// Return the strain rate at the front of a body by U and its length: 4 for a circle, 2 for a plate.
-fn strain_factor(body: &Body) -> f64 {
-    match body.shape {
-        Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. } => 4.0,
-        _ => 2.0,
-    }
-}
-
 /// Return the length of a vector. In the plane it has the bits of `hypot`.
 fn speed([x, y, z]: [f64; 3]) -> f64 {
     f64::hypot(f64::hypot(x, y), z)
@@ -433,14 +425,15 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     for own in fluid.obstacles() {
         let Some(motion) = own.body.laws() else { continue };
         let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
-        let farthest = || match fluid.is_space() {
-            true => reach_from_axis(&own.body, &ends),
-            false => reach(&own.body),
+        let farthest = |axis| match fluid.is_space() {
+            true => reach_from_axis(&own.body, axis, &ends),
+            false => own.body.shape.reach([own.body.pivot[0], own.body.pivot[1]]),
         };
+        let turning = || norm(motion.turns().map(|(axis, angle)| angle.largest_rate() * farthest(axis)));
         add(
-            if speed > 0.0 { speed } else { motion.angle.largest_rate() * farthest() },
+            if speed > 0.0 { speed } else { turning() },
             format!("motion of {}", own.name),
-            first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
+            first_frequency(&motion.all().collect::<Vec<_>>()),
         );
     }
     for (i, body) in fluid.bodies.iter().enumerate() {
@@ -468,21 +461,6 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     motions
 }
 
-/// Return the distance from the pivot of a body to its farthest point, m; of an outline with an axis, to an end of the
-/// axis.
-fn reach(body: &Body) -> f64 {
-    let from_pivot = |[x, y]: [f64; 2]| f64::hypot(x - body.pivot[0], y - body.pivot[1]);
-    match &body.shape {
-        Shape::Polygon { corners: points } | Shape::Polyline { points } => {
-            points.iter().copied().map(from_pivot).fold(0.0, f64::max)
-        }
-        shape => {
-            let [length, _] = shape.size();
-            f64::max(from_pivot([-length / 2.0, 0.0]), from_pivot([length / 2.0, 0.0]))
-        }
-    }
-}
-
 fn norm(values: impl Iterator<Item = f64>) -> f64 {
     values.map(|value| value * value).sum::<f64>().sqrt()
 }
@@ -493,39 +471,6 @@ impl InflowProfile {
         match self {
             Self::Uniform => 1.0,
             Self::Parabolic => 1.5,
-        }
-    }
-}
-
-impl Shape {
-    /// Return the length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest
-    /// distance of two corners, and its area by that; of a line the largest distance of two points, and 0; of a surface
-    /// the largest side of the frame around it, and 0.
-    pub fn size(&self) -> [f64; 2] {
-        match self {
-            Self::Circle { radius } | Self::Sphere { radius } => [2.0 * radius; 2],
-            Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
-                [lengths.iter().copied().fold(0.0, f64::max), lengths.iter().copied().fold(f64::INFINITY, f64::min)]
-            }
-            Self::CircularCylinder { radius, length, .. } => {
-                [2.0 * radius, length.map_or(2.0 * radius, |l| l.min(2.0 * radius))]
-            }
-            Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
-            Self::Plate { length, width } => [width.map_or(*length, |width| width.max(*length)), 0.0],
-            Self::Disk { radius } => [2.0 * radius, 0.0],
-            Self::Triangulation { nodes, .. } => {
-                let side = |axis: usize| {
-                    let along = nodes.iter().map(|node| node[axis]);
-                    along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-                };
-                [(0..3).map(side).fold(0.0, f64::max), 0.0]
-            }
-            Self::Polygon { corners } | Self::Polyline { points: corners } => {
-                let distances =
-                    corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));
-                let length = distances.fold(0.0, f64::max);
-                [length, self.area() / length]
-            }
         }
     }
 }

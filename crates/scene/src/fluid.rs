@@ -4,9 +4,10 @@ use method::{Filter, Mask, Precision, TimeScheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, BodyDrive, BodyMotion, Shape};
+use crate::body::{Body, BodyDrive, BodyMotion};
 use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
+use crate::shape::Shape;
 use crate::stepping::{TimeStepping, check_mask};
 
 /// An incompressible fluid in a periodic box of two or three dimensions.

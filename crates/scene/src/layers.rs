@@ -42,7 +42,7 @@ pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], 
     };
     for own in fluid.obstacles() {
         if let Some(laws) = own.body.laws() {
-            moves(format!("{}.motion", own.key), vec![&laws.x, &laws.y, &laws.z, &laws.angle], OF_BODY);
+            moves(format!("{}.motion", own.key), laws.all().collect(), OF_BODY);
         }
     }
     for own in scene.beams_with_rods() {
@@ -61,7 +61,7 @@ pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], 
         let Some((normal, speed)) = thin_normal(&own.body).zip(scales.speed.or(speed)) else { continue };
         let along = dot(normal, scales.drag).abs();
         let is_oblique = along > LIFTS && (1.0 - along * along).sqrt() > LIFTS;
-        let turns = own.body.laws().is_some_and(|laws| laws.angle.largest_rate() > 0.0);
+        let turns = own.body.laws().is_some_and(|laws| laws.turns().any(|(_, angle)| angle.largest_rate() > 0.0));
         let layer = (0.5 * nu * scales.length / speed).sqrt() / cell;
         if (is_oblique || turns) && layer < OBLIQUE {
             found.push(Warning {

@@ -15,17 +15,14 @@
 
 use geometry::vector::{cross, dot, minus, norm, turned};
 use mesh::Mesh;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::body::{Body, Shape};
-use crate::fault::{Check, Faults};
+use crate::body::Body;
+use crate::reference_scales::{ACROSS, ReferenceScales, vector};
 use crate::root::{RootLaws, RootMotion};
 use crate::scene::{BeamWithRod, Scene};
+use crate::shape::{areas, extents};
 use crate::wing::Wing;
-
-/// Least part of a direction across the drag that lift can be along.
-const ACROSS: f64 = 0.1;
 
 /// Largest ratio of two sides of which one is the thinner.
 const THINNER: f64 = 0.999;
@@ -35,32 +32,6 @@ const FLAT: f64 = 0.95;
 
 /// Times at which a motion is followed for its largest velocity.
 const TIMES: usize = 4000;
-
-/// Scales of coefficients, in place of those that follow from the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ReferenceScales {
-    /// Length L, m.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub length: Option<f64>,
-    /// Area A, m²; only in three dimensions.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub area: Option<f64>,
-    /// Speed U, m/s.
-    #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub speed: Option<f64>,
-    /// Direction of the drag, of any length above 0; thrust is against it.
-    #[serde(default)]
-    #[schemars(length(min = 2, max = 3))]
-    pub drag: Option<Vec<f64>>,
-    /// Direction of the lift, of which the part across the drag counts.
-    #[serde(default)]
-    #[schemars(length(min = 2, max = 3))]
-    pub lift: Option<Vec<f64>>,
-}
 
 /// Scales of the coefficients of a body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -156,32 +127,16 @@ fn own_axes(body: &Body) -> [[f64; 3]; 3] {
     })
 }
 
-/// Return the distance from the axis about which laws turn a body in space to its farthest node, corner or end of an own
+/// Return the distance from an `axis` through the pivot of a body in space to its farthest node, corner or end of an own
 /// axis, m.
-pub(crate) fn reach_from_axis(body: &Body, ends: &[[f64; 2]]) -> f64 {
-    let (half, axes) = (body.shape.sides(ends).0.map(|side| 0.5 * side), own_axes(body));
-    let points = match &body.shape {
-        Shape::Cuboid { .. } => {
-            (0..8).map(|i| [0, 1, 2].map(|d| if i >> d & 1 == 0 { half[d] } else { -half[d] })).collect()
-        }
-        shape => shape.surface().map_or_else(
-            || {
-                (0..6)
-                    .map(|i| {
-                        [0, 1, 2].map(|d| if i / 2 == d { half[d] * if i % 2 == 0 { 1.0 } else { -1.0 } } else { 0.0 })
-                    })
-                    .collect()
-            },
-            |(nodes, _)| nodes,
-        ),
-    };
-    let axis = body.laws().and_then(|laws| laws.axis).unwrap_or([0.0, 0.0, 1.0]);
+pub(crate) fn reach_from_axis(body: &Body, axis: [f64; 3], ends: &[[f64; 2]]) -> f64 {
+    let axes = own_axes(body);
     let distance = |point: [f64; 3]| {
         let arm = minus(point, vector(&body.pivot));
         let arm: [f64; 3] = std::array::from_fn(|e| (0..3).map(|d| arm[d] * axes[d][e]).sum());
         norm(cross(arm, axis)) / norm(axis)
     };
-    points.into_iter().map(distance).fold(0.0, f64::max)
+    body.shape.points(ends).into_iter().map(distance).fold(0.0, f64::max)
 }
 
 fn of_body(body: &Body, ends: &[[f64; 2]], end: f64) -> Sized {
@@ -190,7 +145,7 @@ fn of_body(body: &Body, ends: &[[f64; 2]], end: f64) -> Sized {
         let rates = |t: f64| [&laws.x, &laws.y, &laws.z].map(|law| law.value_and_rate(t).1);
         direction(fastest(rates, end))
     });
-    let turns = body.laws().is_some_and(|laws| laws.angle.largest_rate() > 0.0);
+    let turns = body.laws().is_some_and(|laws| laws.turns().any(|(_, angle)| angle.largest_rate() > 0.0));
     let (sides, area) = body.shape.sides(ends);
     Sized { axes, sides, area, heading: motion.filter(|_| !turns).unwrap_or(axes[0]), motion, turn: None }
 }
@@ -307,94 +262,4 @@ pub(crate) fn thin_normal(body: &Body) -> Option<[f64; 3]> {
     let is_flat = norm(sum) > FLAT * areas.iter().map(|area| norm(*area)).sum::<f64>();
     let axes = own_axes(body);
     is_flat.then(|| std::array::from_fn(|e| (0..3).map(|d| sum[d] * axes[d][e]).sum::<f64>() / norm(sum)))
-}
-
-fn vector(components: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|d| components.get(d).copied().unwrap_or(0.0))
-}
-
-/// Return the lengths of points along the axes, m.
-fn extents(nodes: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let along = nodes.iter().map(|node| node[axis]);
-        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-    })
-}
-
-impl Shape {
-    /// Return the sides of a body in space along its own axes, m, and its largest projection along one of them or, of a
-    /// surface, along its mean normal, m²; of a body in the plane zeros. A cylinder may go through a box with the
-    /// `ends`.
-    pub(crate) fn sides(&self, ends: &[[f64; 2]]) -> ([f64; 3], f64) {
-        let largest = |[x, y, z]: [f64; 3]| f64::max(f64::max(x * y, y * z), z * x);
-        let quarter = std::f64::consts::FRAC_PI_4;
-        match self {
-            Self::Sphere { radius } => ([2.0 * radius; 3], quarter * 4.0 * radius * radius),
-            Self::Ellipsoid { lengths } => (*lengths, quarter * largest(*lengths)),
-            Self::Cuboid { lengths } => (*lengths, largest(*lengths)),
-            Self::CircularCylinder { axis, radius, length } => {
-                let through = ends.get(*axis as usize).map_or(0.0, |[low, high]| high - low);
-                let (d, length) = (2.0 * radius, length.unwrap_or(through));
-                let sides = std::array::from_fn(|i| if i == *axis as usize { length } else { d });
-                (sides, f64::max(d * length, quarter * d * d))
-            }
-            Self::Disk { radius } => ([2.0 * radius, 0.0, 2.0 * radius], quarter * 4.0 * radius * radius),
-            _ => self
-                .surface()
-                .map_or(([0.0; 3], 0.0), |(nodes, triangles)| (extents(&nodes), projection(&nodes, &triangles))),
-        }
-    }
-}
-
-/// Return the largest projection of triangles along a coordinate axis or their mean normal, m²; each line meets a closed
-/// surface twice.
-fn projection(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> f64 {
-    let areas = areas(nodes, triangles);
-    let along = |axis: [f64; 3]| areas.iter().map(|area| dot(*area, axis).abs()).sum::<f64>();
-    let sum = areas.iter().fold([0.0; 3], |sum, area| std::array::from_fn(|d| sum[d] + area[d]));
-    let mut axes = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let total = areas.iter().map(|area| norm(*area)).sum::<f64>();
-    let is_closed = is_closed(nodes, triangles);
-    if !is_closed && norm(sum) > ACROSS * total {
-        axes.push(sum.map(|part| part / norm(sum)));
-    }
-    let largest = axes.into_iter().map(along).fold(0.0, f64::max);
-    if is_closed { 0.5 * largest } else { largest }
-}
-
-/// Return the areas of triangles along their normals, m².
-fn areas(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> Vec<[f64; 3]> {
-    let area = |corners: &[usize; 3]| {
-        let [a, b, c] = corners.map(|node| nodes[node]);
-        cross(minus(b, a), minus(c, a)).map(|part| 0.5 * part)
-    };
-    triangles.iter().map(area).collect()
-}
-
-/// Return whether two triangles meet at each edge; nodes in one place are one.
-fn is_closed(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> bool {
-    let place = |node: usize| nodes[node].map(|part| (part + 0.0).to_bits());
-    let mut edges: Vec<_> = triangles
-        .iter()
-        .flat_map(|corners| [0, 1, 2].map(|i| [place(corners[i]), place(corners[(i + 1) % 3])]))
-        .map(|[a, b]| if a < b { [a, b] } else { [b, a] })
-        .collect();
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
-}
-
-impl Check for ReferenceScales {
-    fn check_at(&self, key: &str, faults: &mut Faults) {
-        for (name, given) in [("drag", &self.drag), ("lift", &self.lift)] {
-            let has_length = given.as_ref().is_none_or(|own| own.iter().any(|part| *part != 0.0));
-            faults.require(has_length, &format!("{key}.{name}"), "zeros", || "a direction has a length".into());
-        }
-        if let (Some(drag), Some(lift)) = (&self.drag, &self.lift) {
-            let (d, l) = (vector(drag), vector(lift));
-            let is_across = norm(cross(d, l)) > ACROSS * norm(d) * norm(l);
-            faults.require(is_across || norm(d) * norm(l) == 0.0, &format!("{key}.lift"), format!("{lift:?}"), || {
-                format!("it is across the drag, {drag:?}")
-            });
-        }
-    }
 }

@@ -1,9 +1,11 @@
 //! What may be a mistake in a scene, known before a run: places of its parts, the motions that laws prescribe, streams
 //! that meet their own wake, wakes that stay symmetric, weights that no rod carries.
 
+use std::iter;
+
 use geometry::{Shape, Surface, Touch, beyond};
 
-use crate::body::Body;
+use crate::body::{Body, BodyMotion};
 use crate::fluid::{Fluid, Obstacle};
 use crate::flyer::Flyer;
 use crate::law::TimeLaw;
@@ -100,9 +102,7 @@ impl Moving<'_> {
     /// Return the laws of the motion.
     fn laws(&self) -> Vec<&TimeLaw> {
         match &self.motion {
-            Motion::Body(body) => {
-                body.laws().into_iter().flat_map(|own| [&own.x, &own.y, &own.z, &own.angle]).collect()
-            }
+            Motion::Body(body) => body.laws().into_iter().flat_map(BodyMotion::all).collect(),
             Motion::Root { laws, .. } => laws.iter().flat_map(|laws| laws.all()).collect(),
         }
     }
@@ -350,7 +350,9 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
         Motion::Body(body) => body
             .laws()
             .into_iter()
-            .flat_map(|motion| [[&motion.x, &motion.y, &motion.z][across], &motion.angle])
+            .flat_map(|motion| {
+                iter::once([&motion.x, &motion.y, &motion.z][across]).chain(motion.turns().map(|(_, angle)| angle))
+            })
             .collect(),
         _ => Vec::new(),
     });

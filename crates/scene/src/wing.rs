@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::ByMaster;
 use crate::fault::{Check, Fault, Faults, list};
+use crate::reference_scales::ReferenceScales;
 use crate::root::RootLaws;
-use crate::scales::ReferenceScales;
-use crate::wing_checks;
 
 /// Most nodes of a wing.
 const MOST_NODES: usize = 100_000;
@@ -378,7 +377,7 @@ impl Check for Wing {
             }
         }
         if faults.len() == before {
-            wing_checks::check(self, key, faults);
+            self.check_mesh(key, faults);
         }
     }
 }

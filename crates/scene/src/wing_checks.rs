@@ -4,19 +4,21 @@ use std::collections::BTreeSet;
 
 use mesh::{Bend, Mesh, MeshEdge};
 
-use crate::body::check_corners;
 use crate::fault::{Faults, list};
+use crate::shape::check_corners;
 use crate::warning::Warning;
 use crate::wing::{Wing, WingMesh, WingSupport};
 
-/// Add what is wrong with the mesh of `wing`, whose key is `key`, and with what refers to it.
-pub(crate) fn check(wing: &Wing, key: &str, faults: &mut Faults) {
-    let (mesh, before) = (wing.mesh.build(), faults.len());
-    let checked = Checked { wing, key, mesh: &mesh, held: held(wing, &mesh) };
-    let Some(edges) = checked.mesh(faults).filter(|_| faults.len() == before) else { return };
-    checked.veins(faults);
-    checked.root(&edges, faults);
-    checked.regions(faults);
+impl Wing {
+    /// Add what is wrong with the mesh of this wing, whose key is `key`, and with what refers to it.
+    pub(crate) fn check_mesh(&self, key: &str, faults: &mut Faults) {
+        let (mesh, before) = (self.mesh.build(), faults.len());
+        let checked = Checked { wing: self, key, mesh: &mesh, held: held(self, &mesh) };
+        let Some(edges) = checked.mesh(faults).filter(|_| faults.len() == before) else { return };
+        checked.veins(faults);
+        checked.root(&edges, faults);
+        checked.regions(faults);
+    }
 }
 
 /// Return what may be a mistake in a wing without faults.

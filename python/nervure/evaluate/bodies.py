@@ -234,7 +234,7 @@ def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
     amplitudes = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(3)])
     amplitude = float(np.linalg.norm(amplitudes))
     speed = 2 * np.pi * first.sine.frequency * amplitude
-    turns = isinstance(motion, BodyMotion) and not _rests(motion.angle)
+    turns = isinstance(motion, BodyMotion) and (bool(motion.rotations) or not _rests(motion.angle))
     return _Oscillation(amplitudes / amplitude, first, speed, not turns)
 
 

@@ -65,7 +65,8 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
     for name, mount in numbers.mounts.items():
         parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():
-            own = f"{direction}: f_n {support.natural_frequency:.3g} Hz"
+            frequency = support.natural_frequency
+            own = f"{direction}: f_n {frequency:.3g} Hz" if frequency else f"{direction}: free"
             if support.damping_ratio is not None:
                 own += f", damping ratio {support.damping_ratio:.3g}"
             if support.reduced_velocity is not None:

@@ -20,6 +20,7 @@ from nervure.scene.solids import box_ends, cell_lengths, half_lengths, longest, 
 from nervure.scene.types import (
     Body,
     Scene,
+    ShapeCapsule,
     ShapeCircularCylinder,
     ShapeCuboid,
 )
@@ -269,6 +270,12 @@ class Space:
             case ShapeCircularCylinder(circular_cylinder=cylinder):
                 direction = [float(axis == cylinder.axis) for axis in "xyz"]
                 unit = pyvista.Cylinder(direction=direction, radius=1, height=2, resolution=90)
+            case ShapeCapsule(capsule=capsule):
+                direction = [float(axis == capsule.axis) for axis in "xyz"]
+                unit = pyvista.Capsule(
+                    direction=direction, radius=capsule.radius, cylinder_length=capsule.length - 2 * capsule.radius
+                )
+                unit.points = unit.points / half
             case _:
                 unit = pyvista.Sphere(radius=1, theta_resolution=90, phi_resolution=60)
         unit.points = (unit.points * half) @ turn.T + origin

@@ -9,6 +9,7 @@ from nervure.scene.types import (
     Body,
     BodyMotion,
     Fluid,
+    ShapeCapsule,
     ShapeCircularCylinder,
     ShapeCuboid,
     ShapeDisk,
@@ -19,7 +20,7 @@ from nervure.scene.types import (
 )
 
 PLACE = ("x", "y", "z")
-TURN = ("angle_x", "angle_y", "angle_z")  # Rotation vector of a body that no law moves
+TURN = ("angle_x", "angle_y", "angle_z")  # Rotation vector of a body that has no axis
 Z = (0.0, 0.0, 1.0)
 
 
@@ -27,7 +28,9 @@ def pose_names(fluid: Fluid, body: Body) -> tuple[str, ...]:
     """Return the outputs of the fluid for the place of a rigid body."""
     if not fluid.box.z:
         return POSE
-    return (*PLACE, *(TURN if body.mount or body.motion == "master" else ("angle",)))
+    motion = body.motion
+    has_axis = not motion or (isinstance(motion, BodyMotion) and not motion.rotations)
+    return (*PLACE, *(("angle",) if has_axis and not body.mount else TURN))
 
 
 def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
@@ -73,6 +76,18 @@ def half_lengths(body: Body, longest: float) -> tuple[np.ndarray, Callable[[np.n
             half[along] = (cylinder.length or longest) / 2
             across = [axis for axis in range(3) if axis != along]
             return half, lambda points: np.maximum(np.abs(points[..., along]), round_(points[..., across]))
+        case ShapeCapsule(capsule=capsule):
+            along = "xyz".index(capsule.axis)
+            half = np.full(3, capsule.radius)
+            half[along] = capsule.length / 2
+            core = capsule.length / 2 - capsule.radius
+
+            def from_core(points: np.ndarray) -> np.ndarray:
+                arm = points * half
+                arm[..., along] -= np.clip(arm[..., along], -core, core)
+                return round_(arm) / capsule.radius
+
+            return half, from_core
     raise AssertionError("a body in space has one of these shapes")
 
 

@@ -12,15 +12,51 @@ where
 {
     let angle = <[f64; D]>::angle_at_rest(&body.turn);
     let mut pose = Pose { position: body.position.into(), angle, ..Pose::default() };
-    if let Some(Motion::Laws { displacement, axis: about, angle }) = &body.motion {
+    if let Some(Motion::Laws { displacement, rotations }) = &body.motion {
         for (axis, law) in displacement.iter().enumerate() {
             let (displacement, rate) = law.value_and_rate(t);
             pose.position[axis] += displacement;
             pose.velocity[axis] = rate;
         }
-        let (angle, rate) = angle.value_and_rate(t);
-        pose.angle += *about * angle;
-        pose.omega = *about * rate;
+        for (about, angle) in rotations {
+            let (angle, rate) = angle.value_and_rate(t);
+            (pose.angle, pose.omega) = <[f64; D]>::turned((pose.angle, pose.omega), *about * angle, *about * rate);
+        }
     }
     pose
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use geometry::space::Solid;
+    use nalgebra::Rotation3;
+
+    use super::*;
+    use crate::parameters::{Body, Law};
+    use crate::space::{Turn, Vector};
+
+    #[test]
+    fn the_angular_velocity_is_the_rate_of_the_rotations_in_their_order() {
+        let law = |a: f64, w: f64| Law::new(move |t| (a * (w * t).sin(), a * w * (w * t).cos()));
+        let axes = [[0.0, 0.0, 1.0], [2.0, -1.0, 2.0], [0.0, 1.0, 0.0]].map(Vector::from);
+        let angles = [law(0.9, TAU), law(0.7, 4.0), law(0.3, 9.0)];
+        let motion = Motion::of_rotations([0.0; 3].map(Law::constant), axes.into_iter().zip(angles.clone()));
+        let turn = Turn { axis: [1.0, 0.0, 1.0], angle: 0.4 };
+        let body = Body { turn, motion: Some(motion), ..Body::still("", Solid::Ellipsoid([0.3, 0.1, 0.2]), [0.0; 3]) };
+        for t in [0.0, 0.13, 0.6] {
+            let turned = |t: f64| {
+                axes.iter().zip(&angles).fold(Vector::from([0.2, -0.5, 0.3]), |point, (axis, angle)| {
+                    Rotation3::new(axis.normalize() * angle.value_and_rate(t).0) * point
+                })
+            };
+            let pose = pose_at(&body, t);
+            let own = Rotation3::new(pose.angle) * Vector::from([0.2, -0.5, 0.3]);
+            assert!((own - turned(t)).norm() < 1e-14, "{own} against {} at {t}", turned(t));
+            let rate = (turned(t + 1e-5) - turned(t - 1e-5)) / 2e-5;
+            let expected = pose.omega.cross(&own);
+            assert!((rate - expected).norm() < 1e-8, "{expected} against {rate} at {t}");
+        }
+    }
 }

@@ -129,10 +129,10 @@ where
         Pose { position: Vector::from(self.body.position) + displacement.position, angle, ..*displacement }
     }
 
-    /// Return its angle about the axis of its laws, rad; 0 without a law.
+    /// Return its angle about the axis of the first rotation of its laws, rad; 0 without a law.
     pub fn angle_of_law(&self) -> f64 {
-        let Some(Motion::Laws { axis, .. }) = &self.body.motion else { return 0.0 };
-        let [angle, axis] = [self.pose.angle, *axis].map(<[f64; D]>::components);
+        let Some(Motion::Laws { rotations, .. }) = &self.body.motion else { return 0.0 };
+        let [angle, axis] = [self.pose.angle, rotations[0].0].map(<[f64; D]>::components);
         angle.iter().zip(axis).map(|(angle, axis)| angle * axis).sum()
     }
 
@@ -306,8 +306,7 @@ mod tests {
             turn: 0.3,
             motion: Some(Motion::Laws {
                 displacement: [law(0.3, 2.0), law(0.2, 3.0)],
-                axis: 1.0,
-                angle: law(0.8, 2.5),
+                rotations: vec![(1.0, law(0.8, 2.5))],
             }),
             ..Body::still("", Outline::Ellipse([0.3, 0.1]), [0.0; 2])
         };
@@ -317,8 +316,10 @@ mod tests {
             turn: Turn { axis: [1.0, 2.0, -1.0], angle: 0.7 },
             motion: Some(Motion::Laws {
                 displacement: [law(0.3, 2.0), law(0.2, 3.0), law(0.1, 1.0)],
-                axis: Vector::from([2.0, -1.0, 2.0]) / 3.0,
-                angle: law(0.8, 2.5),
+                rotations: vec![
+                    (Vector::from([2.0, -1.0, 2.0]) / 3.0, law(0.8, 2.5)),
+                    (Vector::from([0.0, 0.6, 0.8]), law(0.5, 2.0)),
+                ],
             }),
             ..Body::still("", Solid::Ellipsoid([0.3, 0.1, 0.2]), [0.0; 3])
         };

@@ -44,12 +44,6 @@ use crate::step::{Differences, Sbdf2, Scheme, StartVelocity, Substep, static_pre
 use coarse::{Background, Coarse};
 use transfer::Rows;
 
-/// Width of the rim in which u' is damped, coarse cells.
-pub const RIM: f64 = 3.0;
-
-/// Width beyond the rim in which W grows from 0 to 1, coarse cells.
-pub const GROWTH: f64 = 2.0;
-
 /// Rate of the damping at the end of the box, times the time in which the fastest flow crosses a coarse cell.
 const DAMPING: f64 = 3.0;
 
@@ -104,8 +98,8 @@ where
         Self {
             spacing: grid.spacing,
             ratio: fine.ratio as f64,
-            damping: by_axis(&|distance| smooth_step(distance / RIM)),
-            window: by_axis(&|distance| 1.0 - smooth_step((distance - RIM) / GROWTH)),
+            damping: by_axis(&|distance| smooth_step(distance / FineBox::<D>::RIM)),
+            window: by_axis(&|distance| 1.0 - smooth_step((distance - FineBox::<D>::RIM) / FineBox::<D>::GROWTH)),
             left: by_axis(&|_| 1.0),
             of_planes: vec![0.0; transfer.planes() * D * of_plane],
             damped: vec![0.0; D * transfer.len()],
@@ -203,7 +197,7 @@ where
                         }
                         *w = R::rounded(correction - *own);
                     }
-                    let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
+                    let nothing = if of_rows == 1.0 { transfer.between_rims(FineBox::<D>::RIM) } else { 0..0 };
                     transfer.restrict_row(row, own, nothing, of_row, sums);
                 });
             }
@@ -268,7 +262,9 @@ where
         problem.thin.for_each_force(grid, |point, _| check(point));
         problem.bodies.cells().for_each(|cell| check(cell.index));
         let place = |point: usize| grid.point(point).to_vec();
-        outside.map_or(Ok(()), |point| Err(Error::Rim { time, place: place(point), rim: RIM + GROWTH }))
+        outside.map_or(Ok(()), |point| {
+            Err(Error::Rim { time, place: place(point), rim: FineBox::<D>::RIM + FineBox::<D>::GROWTH })
+        })
     }
 
     /// Add the forces on the fluid in the step to the impulse.
@@ -529,6 +525,6 @@ mod tests {
 
     #[test]
     fn scenes_know_the_width_of_the_rim() {
-        assert_eq!(RIM + GROWTH, scene::FINE_BOX_RIM_CELLS);
+        assert_eq!(FineBox::<2>::RIM + FineBox::<2>::GROWTH, scene::FINE_BOX_RIM_CELLS);
     }
 }
