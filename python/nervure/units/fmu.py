@@ -141,22 +141,27 @@ class Unit:
 
         The array `outputs` holds the chosen outputs (`exchanged`), the `watched` outputs, and the scalar outputs, which
         every step fetches only if `all_in_step`. `integers` holds the scalar Integer outputs, `slices` the place of
-        each output.
+        each output, `input_slices` that of each input.
         """
         scalars = self.scalars("Real")
         front = [*outputs, *watched]
         self.inputs, self._set_arguments = self._buffer(inputs, ctypes.c_double)
+        self.input_slices = self._slices(inputs)
         self.outputs, self._get_arguments = self._buffer([*front, *scalars], ctypes.c_double)
         part = self.outputs[: self.outputs.size - len(scalars)]
         self._get_part_arguments = self._arguments(front, part)
-        self.all_in_step = True
+        self.all_in_step, self.stale = True, False
         self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
-        names = [*front, *scalars]
-        ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
-        places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
-        self.slices = dict(reversed(places))  # The first place of a name that is there twice: every step fetches it
+        self.slices = self._slices([*front, *scalars])
         exchanged = sum(self.variables[name].size for name in outputs)
         self.exchanged, self.reals = self.outputs[:exchanged], self.outputs[self.outputs.size - len(scalars) :]
+
+    def _slices(self, names: list[str]) -> dict[str, slice]:
+        """Return the place of each of `names` in a buffer; of one that is there twice the first, which every step
+        fetches."""
+        ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
+        places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
+        return dict(reversed(places))
 
     def scalars(self, kind: str) -> list[str]:
         """Return the names of the scalar outputs of FMI type `kind`."""
@@ -187,6 +192,7 @@ class Unit:
 
     def get(self) -> None:
         """Fetch all `outputs` and `integers`."""
+        self.stale = False
         status = self._get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
             status = self._get_integers(*self._get_integer_arguments)
@@ -215,6 +221,7 @@ class Unit:
             self.get()
         else:
             self.get_exchanged()
+            self.stale = True
         self.check_outputs(t + h)
 
     def check_outputs(self, t: float) -> None:
