@@ -44,7 +44,7 @@ class Drive(Protocol):
 
     def __call__(self, time: float, values: Mapping[str, float], /) -> Mapping[str, float]:
         """Return values of driven inputs by name at `time` (s), the end of the coming step. `values` has the columns of
-        the series at its beginning, `values["time"]`."""
+        the series at its beginning, `values["time"]`, and the inputs then."""
 
 
 @runtime_checkable
@@ -165,7 +165,7 @@ class Driver:
     def __getitem__(self, name: str) -> float:
         """Return the present value of a driven input."""
         at, place = self.places[name]
-        return float(at[place])
+        return float(at.item(place))
 
     def _ask(self, drive: Drive, time: float, values: Mapping[str, float]) -> dict[str, float]:
         """Return what the drive sets at `time` (s), checked."""

@@ -20,21 +20,24 @@ def column(name: str) -> str:
 
 
 class Values(Mapping[str, float]):
-    """The columns of the present row, whether it is recorded or not; fetches what a step did not."""
+    """The columns of the present row, whether it is recorded or not, and driven inputs; fetches what a step did not."""
 
     def __init__(self) -> None:
         self.time = 0.0  # s
-        self.places: dict[str, tuple[Unit, np.ndarray, int]] = {}
+        self.places: dict[str, tuple[np.ndarray, int]] = {}
+        self.outputs: dict[str, tuple[Unit, str]] = {}
 
     def __getitem__(self, name: str) -> float:
         if name == "time":
             return self.time
         if name not in self.places:
             raise KeyError(f"there is no column `{name}`: {hint(name, self)}")
-        unit, values, place = self.places[name]
-        if unit.stale:
-            unit.get()
-        return float(values[place])
+        values, place = self.places[name]
+        if name in self.outputs:
+            unit, output = self.outputs[name]
+            if unit.stale:
+                unit.fetch(output)
+        return float(values.item(place))
 
     def __iter__(self) -> Iterator[str]:
         return iter(["time", *self.places])
@@ -67,7 +70,8 @@ class Recorder:
             self.units[made] = unit.variables[name].unit
             is_real = unit.variables[name].kind == "Real"
             number = unit.scalars("Real" if is_real else "Integer").index(name)
-            self.values.places[made] = unit, unit.reals if is_real else unit.integers, number
+            self.values.places[made] = unit.reals if is_real else unit.integers, number
+            self.values.outputs[made] = unit, name
         self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0

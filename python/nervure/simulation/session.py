@@ -75,6 +75,7 @@ class Session(TimeLoop):
             self.driver = Driver(self.units, drive)
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
+            self.recorder.values.places |= self.driver.places
             self._open = stack.pop_all()
         self.warnings: list[str] = []
         """Warnings of the run so far."""

@@ -85,6 +85,7 @@ class Unit:
         self._folder: str | None = None
         self._step: tuple[float, float] | None = None  # The last step: its time and its length, s
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
+        self.kept: list[ctypes.c_void_p] = []  # Those of `keep`
         _messages[name].clear()
         self.description = read_description(path)
         self.version = version_of(self.description)
@@ -151,6 +152,7 @@ class Unit:
         part = self.outputs[: self.outputs.size - len(scalars)]
         self._get_part_arguments = self._arguments(front, part)
         self.all_in_step, self.stale = True, False
+        self._fetching: dict[str, tuple[Any, ...]] = {}  # Arguments of the call for one scalar
         self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
         self.slices = self._slices([*front, *scalars])
         exchanged = sum(self.variables[name].size for name in outputs)
@@ -189,6 +191,15 @@ class Unit:
     def get_exchanged(self) -> None:
         """Fetch the exchanged and watched `outputs` only: a scalar may cost as much as half a step."""
         self._check(self._get_reals(*self._get_part_arguments), "gave no outputs")
+
+    def fetch(self, name: str) -> None:
+        """Fetch one scalar output into its place, of an Integer all."""
+        if name not in self._fetching:
+            if self.variables[name].kind != "Real":
+                return self.get()
+            place = self.scalars("Real").index(name)
+            self._fetching[name] = self._arguments([name], self.reals[place : place + 1])
+        return self._check(self._get_reals(*self._fetching[name]), "gave no outputs")
 
     def get(self) -> None:
         """Fetch all `outputs` and `integers`."""
@@ -245,9 +256,16 @@ class Unit:
         """Save the state of the unit, in place of the saved one."""
         self._timed(self._get_state, self.fmu.component, ctypes.byref(self.state))
 
-    def restore(self) -> None:
-        """Restore the saved state."""
-        self._timed(self.fmu.setFMUState, self.state)
+    def keep(self) -> ctypes.c_void_p:
+        """Return the state of the unit, kept until it is closed."""
+        kept = ctypes.c_void_p()
+        self._timed(self._get_state, self.fmu.component, ctypes.byref(kept))
+        self.kept.append(kept)
+        return kept
+
+    def restore(self, state: ctypes.c_void_p | None = None) -> None:
+        """Restore the saved state, or one that is kept."""
+        self._timed(self.fmu.setFMUState, state or self.state)
 
     def serialize(self) -> bytes:
         """Return the state of the unit as bytes, and save it."""
@@ -307,8 +325,9 @@ class Unit:
         """Free the instance, unload the library and remove the unpacked files."""
         if self.fmu is not None and self.fmu.component is not None:
             with suppress(Exception):  # a unit that refuses this has nothing left to say
-                if self.state:
-                    self.fmu.freeFMUState(self.state)
+                for state in (self.state, *self.kept):
+                    if state:
+                        self.fmu.freeFMUState(state)
             self.fmu.freeInstance()
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
