@@ -6,6 +6,7 @@ needs `pip install stable-baselines3`; `drive_policy.py` runs a policy as a driv
 
 import argparse
 import json
+from functools import partial
 from pathlib import Path
 
 import gymnasium
@@ -15,7 +16,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
 
-from nervure.gym import BASELINES, Env
+from nervure.gym import BASELINES, Baseline, Env
 
 
 def make(task: str) -> gymnasium.Env[np.ndarray, np.ndarray]:
@@ -23,42 +24,37 @@ def make(task: str) -> gymnasium.Env[np.ndarray, np.ndarray]:
     return gymnasium.wrappers.RescaleAction(gymnasium.make(task), np.float64(-1), np.float64(1))
 
 
-def baseline(task: str) -> tuple[float, float]:
-    """Return the mean rewards of an episode from each start, without control and with the classical controller."""
-    env = gymnasium.make(task)
-    space, own = env.action_space, env.unwrapped
+def judged(env: gymnasium.Env[np.ndarray, np.ndarray], control: Baseline) -> float:
+    """Return the mean reward of the episodes from each start under a controller."""
+    own, space = env.unwrapped, env.action_space
     assert isinstance(own, Env) and isinstance(space, gymnasium.spaces.Box)
-    sums = []
-    for control in (lambda _seen, _time: np.zeros(space.shape), BASELINES[task]):
-        found = []
-        for start in range(len(own.starts)):
-            seen, info = env.reset(options={"start": start})
-            begin, total, over = info["time"], 0.0, False
-            while not over:
-                action = np.clip(control(seen, info["time"] - begin), space.low, space.high)
-                seen, reward, ended, truncated, info = env.step(action)
-                total, over = total + float(reward), ended or truncated
-            found.append(total)
-        sums.append(float(np.mean(found)))
-    env.close()
-    return sums[0], sums[1]
+    found = []
+    for start in range(len(own.starts)):
+        seen, info = env.reset(options={"start": start})
+        begin, total, over = info["time"], 0.0, False
+        while not over:
+            action = np.clip(control(seen, info["time"] - begin), space.low, space.high)
+            seen, reward, ended, truncated, info = env.step(action)
+            total, over = total + float(reward), ended or truncated
+        found.append(total)
+    return float(np.mean(found))
 
 
-def policy(model: PPO, task: str) -> dict[str, object]:
+def choose(model: PPO, seen: np.ndarray, _time: float) -> np.ndarray:
+    """Return the mean action of a policy."""
+    return np.asarray(model.predict(seen, deterministic=True)[0])
+
+
+def policy(model: PPO, own: Env) -> dict[str, object]:
     """Return the layers of the mean action, and the names and scales around them, as JSON holds them."""
-    env = gymnasium.make(task)
-    own = env.unwrapped
-    assert isinstance(own, Env)
     layers = [part for part in [*model.policy.mlp_extractor.policy_net, model.policy.action_net]
               if isinstance(part, torch.nn.Linear)]  # fmt: skip
-    made = {
+    return {
         "seen": [[name, 1 / factor] for name, factor in own.observed],
-        "actions": [vars(action) for action in own.actions],
+        "actions": [vars(action) | {"rate": own.session.driver.rates[action.name]} for action in own.actions],
         "every": own.steps * own.session.grid.communication_step,
         "layers": [[part.weight.detach().tolist(), part.bias.detach().tolist()] for part in layers],
     }
-    env.close()
-    return made
 
 
 def main() -> None:
@@ -70,25 +66,28 @@ def main() -> None:
     given = parser.parse_args()
     given.output.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(1)
-    none, classical = baseline(given.task)
+    plain = gymnasium.make(given.task)
+    own = plain.unwrapped
+    assert isinstance(own, Env)
+    none, classical = judged(plain, lambda _seen, _time: np.zeros(own.low.shape)), judged(plain, BASELINES[given.task])
     curves: list[tuple[np.ndarray, np.ndarray]] = []
     best: tuple[float, dict[str, object]] = (-np.inf, {})
     for seed in range(given.seeds):
         env = Monitor(make(given.task))
-        layers = {"net_arch": [32, 32]}
+        network = {"net_arch": [32, 32], "log_std_init": -1.0}
         model = PPO("MlpPolicy", env, seed=seed, gamma=0.98, learning_rate=1e-3, n_steps=1000, batch_size=100,
-                    policy_kwargs=layers, device="cpu")  # fmt: skip
+                    policy_kwargs=network, device="cpu")  # fmt: skip
         model.learn(given.steps)
         sums = np.array(env.get_episode_rewards())
         curves.append((np.cumsum(env.get_episode_lengths()), sums))
-        last = float(sums[-20:].mean())
-        print(
-            f"seed {seed}: {last:.4g} in the last 20 episodes; none {none:.4g}, classical {classical:.4g}", flush=True
-        )
-        if last > best[0]:
-            best = last, policy(model, given.task)
+        learned = judged(env, partial(choose, model))
+        print(f"seed {seed}: learned {learned:.4g}, none {none:.4g}, classical {classical:.4g}", flush=True)
+        if learned > best[0]:
+            best = learned, policy(model, own)
         env.close()
     (given.output / "policy.json").write_text(json.dumps(best[1]), encoding="utf-8")
+    (given.output / "scene.json").write_text(json.dumps(own.session.scene.document(), indent=2), encoding="utf-8")
+    plain.close()
     figure, axis = plt.subplots(figsize=(6, 3.2), layout="constrained")
     for steps, sums in curves:
         wide = min(10, len(sums))

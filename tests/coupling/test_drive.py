@@ -1,7 +1,7 @@
 """A drive sets, step by step, what a scene leaves to the master."""
 
-import importlib.util
 import math
+import runpy
 
 import numpy as np
 import pytest
@@ -123,21 +123,23 @@ def test_a_drive_sees_the_last_row_of_the_series_also_where_it_is_not_recorded(l
 
 
 def pid():
-    spec = importlib.util.spec_from_file_location("pid", EXAMPLES / "drive_pid.py")
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    return made.Pid()
+    return runpy.run_path(str(EXAMPLES / "drive_pid.py"))["Pid"]()
 
 
-def test_a_driven_run_goes_on_from_its_checkpoint_with_the_memory_of_its_drive(libraries, tmp_path):
-    with Session(plate(0.2), drive=pid()) as whole:
+def policy():
+    return runpy.run_path(str(EXAMPLES / "drive_policy.py"))["drive"]
+
+
+@pytest.mark.parametrize("make", [pid, policy])
+def test_a_driven_run_goes_on_from_its_checkpoint_with_the_memory_of_its_drive(libraries, tmp_path, make):
+    with Session(plate(0.2), drive=make()) as whole:
         whole.run()
-    with Session(plate(0.2), tmp_path, drive=pid()) as part:
+    with Session(plate(0.2), tmp_path, drive=make()) as part:
         part.start()
         for _ in range(12):
             part.step()
         checkpoint.Checkpoint(part, dict.fromkeys(checkpoint.OPTIONS)).save()
-    with Session(plate(0.2), drive=pid()) as rest:
+    with Session(plate(0.2), drive=make()) as rest:
         checkpoint.restore(rest, checkpoint.read(tmp_path))
         rest.run()
     assert (rest.recorder.table[: rest.recorder.rows] == whole.recorder.table).all()
@@ -163,7 +165,7 @@ def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_
         Session(validate(rod_only), drive=heave)
 
 
-@pytest.mark.parametrize("name", ["pid", "table"])
+@pytest.mark.parametrize("name", ["pid", "table", "policy"])
 def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name):
     file = EXAMPLES / f"drive_{name}.py"
     done = conftest.nervure("run", PLATE, "--drive", file, "--set", "time.end=0.5", "--output", tmp_path / "run")

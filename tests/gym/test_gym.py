@@ -1,5 +1,6 @@
 """Scenes as environments of gymnasium."""
 
+import runpy
 import time
 
 import numpy as np
@@ -91,6 +92,21 @@ def test_a_reset_goes_to_a_start_in_less_than_a_millisecond(env):
     assert env.reset(options={"start": 1})[1] == {"time": pytest.approx(0.1), "start": 1}
 
 
+def test_a_cache_keeps_the_starts_and_a_damaged_one_is_made_again(tmp_path, monkeypatch):
+    advance, made = gym.Env._advance, []
+    monkeypatch.setattr(gym.Env, "_advance", lambda env, steps, plan: made.append(steps) or advance(env, steps, plan))
+    with plate() as first:
+        expected = episode(first, 1)
+    for damage, steps in ((None, [0, 10]), (0, []), (100, [10])):
+        if damage:
+            (*_, last) = sorted(tmp_path.iterdir())
+            last.write_bytes(last.read_bytes()[:-damage])
+        made.clear()
+        with plate(cache=tmp_path) as again:
+            assert made == steps
+            assert np.array_equal(episode(again, 1), expected)
+
+
 def test_a_picture_is_that_of_the_flow(env):
     env.reset(seed=0)
     first = env.render()
@@ -150,6 +166,22 @@ def test_environments_run_in_processes_of_their_own():
     finally:
         several.close()
     assert seen.shape == after.shape == (2, 2) and after[0, 1] == -after[1, 1] != 0
+
+
+def test_a_policy_acts_in_a_run_as_it_does_in_its_environment():
+    policy = runpy.run_path(str(ROOT / "examples" / "drive_policy.py"))["drive"]
+    with Session(load(PLATE), drive=policy) as session:
+        session.start()
+        for _ in range(30):
+            session.step()
+        expected = session.recorder.values["tip_uy"], session.recorder.values["root.angle"]
+    actions = [gym.Action(own["name"], own["low"], own["high"], own["lag"]) for own in policy.actions]
+    seen = dict(zip(policy.names, policy.scales))
+    with gym.Env(load(PLATE), actions, seen, lambda _v, _a: 0.0) as own:
+        found, _ = own.reset()
+        for _ in range(3):
+            found, *_ = own.step(policy.choose(found))
+        assert (own.values["tip_uy"], own.values["root.angle"]) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", gym.BASELINES)

@@ -1,9 +1,12 @@
 """A scene as an environment of gymnasium, to train controllers that act on what a scene leaves to the master."""
 
+import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import gymnasium
 import numpy as np
@@ -11,6 +14,7 @@ from gymnasium.spaces import Box
 
 from nervure.coupling import CouplingError
 from nervure.errors import InputError, UnitError
+from nervure.files import write_whole
 from nervure.scene import Scene, with_files
 from nervure.simulation.session import Session
 
@@ -72,15 +76,14 @@ class Servos:
 
 
 class Start:
-    """The state of a session and of its units at one time, to which it returns without a step."""
+    """The present state of a session and of its units, to which it returns without a step."""
 
     def __init__(self, session: Session, servos: Servos):
         self.session, self.servos, self.steps, self.time = session, servos, session.steps, session.time
         for unit in session.units.values():
             unit.get()
         self.handles = [unit.keep() for unit in session.units.values()]
-        self.exchanged = [(own, own.copy()) for unit in session.units.values()
-                          for own in (unit.inputs, unit.outputs, unit.integers)]  # fmt: skip
+        self.exchanged = [(own, own.copy()) for _, own in _exchanged(session)]
         self.memory = {name: array.copy() for name, array in session.scheme.memory().items()}
         self.places, self.speeds = servos.places, servos.speeds
 
@@ -96,6 +99,41 @@ class Start:
         self.servos.places, self.servos.speeds = self.places, self.speeds
         session.steps, session.time = self.steps, self.time
 
+    def write(self, path: Path) -> None:
+        """Write the state, which is the present one, into a file."""
+        arrays = {f"scheme_{name}": array for name, array in self.memory.items()} | dict(_exchanged(self.session))
+        for name, unit in self.session.units.items():
+            arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
+
+        def writer(unfinished: Path) -> None:
+            with open(unfinished, "wb") as file:
+                np.savez(file, allow_pickle=False, **arrays)
+
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, writer)
+
+
+def _exchanged(session: Session) -> list[tuple[str, np.ndarray]]:
+    """Return the buffers of the units, by name."""
+    parts = ("inputs", "outputs", "integers")
+    return [(f"{name}_{part}", getattr(unit, part)) for name, unit in session.units.items() for part in parts]
+
+
+def _read(session: Session, path: Path) -> bool:
+    """Put a started session into the state in a file; return False where it holds none of these units."""
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as kept:
+            arrays = dict(kept)
+        for name, unit in session.units.items():
+            unit.deserialize(arrays[f"{name}_state"].tobytes())
+        for name, own in _exchanged(session):
+            own[:] = arrays[name]
+    except (OSError, ValueError, KeyError, UnitError, BadZipFile):
+        return False
+    memory = [(name, array) for name, array in arrays.items() if name.startswith("scheme_")]
+    session.scheme.remember({name.removeprefix("scheme_"): array for name, array in memory})
+    return True
+
 
 def _still(_time: float, _values: Values) -> dict[str, float]:
     """Leave all where it is: the servos of an environment set inputs themselves."""
@@ -108,7 +146,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     An observation has the columns of the series, and driven inputs as `root.y`, that are the keys of `observed`, each
     by its scale there. `reward(values, action)` sees all of them at the end of the step. An episode begins at one of
     the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still. It ends
-    where `ends(values)` is true, or with the reward `failed` where a unit fails.
+    where `ends(values)` is true, or with the reward `failed` where a unit fails. The folder `cache` keeps the states of
+    the starts for other processes.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - as in its base
@@ -124,6 +163,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         starts: Sequence[float] = (0.0,),
         ends: Callable[[Values], bool] = lambda _values: False,
         failed: float = 0.0,
+        cache: str | Path | None = None,
         render_mode: str | None = None,
     ):
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -144,7 +184,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         try:
             self.servos = Servos(self.actions, self.session)
             self.times = self.session.grid.communication_step * np.arange(1, steps + 1)
-            self.starts = self._make_starts(starts)
+            self.starts = self._make_starts(starts, None if cache is None else Path(cache))
             self.values = self.session.recorder.values
             self.observed = [(name, 1 / scale) for name, scale in observed.items()]
             self._observe()
@@ -155,15 +195,26 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         self.action_space = Box(self.low, self.high, dtype=np.float64)
         self.observation_space = Box(-np.inf, np.inf, (len(self.observed),), np.float64)
 
-    def _make_starts(self, times: Sequence[float]) -> list[Start]:
-        """Step to each of `times`, s, and keep the state there."""
+    def _make_starts(self, times: Sequence[float], cache: Path | None) -> list[Start]:
+        """Step to each of `times`, s, or read the state from the folder `cache`, and keep it."""
         session, found = self.session, {}
+        guids = " ".join(unit.description.guid for unit in session.units.values())
+        units = hashlib.blake2b(guids.encode(), digest_size=16).hexdigest()
         session.start()
         for unit in session.units.values():
             unit.all_in_step = False
         for time in sorted(times):
-            self._advance(round(time / session.grid.communication_step) - session.steps, [])
+            steps = round(time / session.grid.communication_step)
+            path = cache and cache / f"{units}-{steps}.npz"
+            before = Start(session, self.servos)
+            if read := path is not None and _read(session, path):
+                session.steps, session.time = steps, steps * session.grid.communication_step
+            else:
+                before.restore()
+                self._advance(steps - session.steps, [])
             found[time] = Start(session, self.servos)
+            if path and not read:
+                found[time].write(path)
         return [found[time] for time in times]
 
     def _advance(self, steps: int, plan: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
@@ -197,7 +248,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             number = int(self.np_random.integers(len(self.starts)))
         elif number not in range(len(self.starts)):
             raise InputError(f"the option start is {number!r}, but must be from 0 to {len(self.starts) - 1}")
-        self.starts[number].restore()
+        self.starts[int(number)].restore()
         self.values.time = self.session.time
         self._last = self._observe()
         return self._last, {"time": self.session.time, "start": number}
