@@ -13,7 +13,7 @@ import math
 import re
 import runpy
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Protocol, cast, runtime_checkable
 
@@ -101,25 +101,29 @@ def _told(error: Exception, file: str | None = None) -> str:
 
 
 class Driver:
-    """Sets the driven inputs of connected `units` by a `drive`. With several rods, their inputs have the name of the
-    rod in front, as `upper.root.y`.
+    """Sets the driven inputs of connected `units` by a `drive`, those that `left` names for a unit. With several rods,
+    their roots have the name of the rod in front, as `upper.root.y`.
 
     Raise `InputError` where the scene leaves something to the master and there is no drive, or the reverse.
     """
 
-    def __init__(self, units: Mapping[str, Unit], drive: Drive | None):
+    def __init__(
+        self, units: Mapping[str, Unit], drive: Drive | None, left: Callable[[Unit], list[str]] = driven_inputs
+    ):
         self.drive, self.rates = drive, dict[str, str | None]()
         self.places: dict[str, tuple[np.ndarray, int]] = {}
         self.units: dict[str, str | None] = {}  # Physical units
         several, keys = len(units) > 2, set[str]()
         for own, unit in units.items():
-            front = f"{own}." if several and own != "fluid" else ""
-            for name in driven_inputs(unit):
-                self.places[front + name] = unit.inputs, unit.input_slices[name].start
-                self.units[front + name] = unit.variables[name].unit
-            for name, (key, rate) in driven_quantities(unit).items():
-                self.rates[front + name] = rate and front + rate
-                keys.add(key)
+            names, quantities = left(unit), driven_quantities(unit)
+            shown = {name: f"{own}.{name}" if several and name.startswith("root.") else name for name in names}
+            for name in names:
+                self.places[shown[name]] = unit.inputs, unit.input_slices[name].start
+                self.units[shown[name]] = unit.variables[name].unit
+                if name in quantities:
+                    key, rate = quantities[name]
+                    self.rates[shown[name]] = rate and shown[rate]
+                    keys.add(key)
         if self.places and drive is None:
             raise InputError(
                 f"the scene leaves {', '.join(self.rates)} to the master ({', '.join(sorted(keys))}), but nothing "

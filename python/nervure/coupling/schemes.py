@@ -91,6 +91,10 @@ class Scheme:
         """Step from `t` to `t + h` (s); return the number of iterations."""
         raise NotImplementedError
 
+    def left(self, unit: Unit) -> list[str]:
+        """Return the driven inputs of `unit` that the scheme leaves to the drive: all."""
+        return driven_inputs(unit)
+
     def memory(self) -> dict[str, np.ndarray]:
         """Return what the scheme itself carries from step to step, for a checkpoint."""
         return {}

@@ -72,7 +72,7 @@ class Session(TimeLoop):
                 self.units[unit] = Unit(path, unit_label(unit), grid.end if unit in foreign else None)
                 stack.callback(self.units[unit].close)
             made = scheme(self.units) if scheme else couple(self.units, scene.coupling, foreign)
-            self.driver = Driver(self.units, drive)
+            self.driver = Driver(self.units, drive, made.left)
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self.recorder.values.places |= self.driver.places
