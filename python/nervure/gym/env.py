@@ -38,9 +38,10 @@ class Action:
 
 
 class Servos:
-    """The servos of the actions of a session, which stand at its inputs. Raise `InputError` for an impossible one."""
+    """The servos of the actions of a session, which stand at its inputs, and their way over `times`, s from now. Raise
+    `InputError` for an impossible one."""
 
-    def __init__(self, actions: Sequence[Action], session: Session):
+    def __init__(self, actions: Sequence[Action], session: Session, times: np.ndarray):
         driver = session.driver
         for own in actions:
             if own.name not in driver.rates:
@@ -51,7 +52,12 @@ class Servos:
                     f"the action {own.name} has the range {own.low:g} to {own.high:g} and the lag {own.lag:g} s, but "
                     "the range must be finite and not empty, and the lag above 0"
                 )
-        self.omega = np.array([1 / own.lag for own in actions])
+        # Places from the target, then speeds, over time: by the first distance, and by the first speed.
+        t, omega = times[:, None], np.array([1 / own.lag for own in actions])
+        decay = np.exp(-omega * t)
+        self._by_place = np.hstack([(1 + omega * t) * decay, -omega * omega * t * decay])
+        self._by_speed = np.hstack([t * decay, (1 - omega * t) * decay])
+        self._twice = [*range(len(actions))] * 2
         self.places = np.array([driver[own.name] for own in actions])
         self.speeds = np.zeros(len(actions))
         columns = [(own.name, i) for i, own in enumerate(actions)]
@@ -64,14 +70,12 @@ class Servos:
             chosen.append(column)
         self._written = [(inputs, np.array(places), chosen) for inputs, places, chosen in by_unit.values()]
 
-    def plan(self, targets: np.ndarray, times: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Go towards `targets`; return for each unit its inputs, places in them, and the values at `times` (s) from
-        now, `[times, places]`."""
-        apart, t = self.places - targets, times[:, None]
-        pull, decay = self.speeds + self.omega * apart, np.exp(-self.omega * t)
-        places, speeds = targets + (apart + pull * t) * decay, (self.speeds - self.omega * pull * t) * decay
-        self.places, self.speeds = places[-1], speeds[-1]
-        both = np.hstack([places, speeds])
+    def plan(self, targets: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Go towards `targets`; return for each unit its inputs, places in them, and the values at the times, `[times,
+        places]`."""
+        both = self._by_place * (self.places - targets)[self._twice] + self._by_speed * self.speeds[self._twice]
+        both[:, : targets.size] += targets
+        self.places, self.speeds = both[-1, : targets.size], both[-1, targets.size :]
         return [(inputs, places, both[:, chosen]) for inputs, places, chosen in self._written]
 
 
@@ -182,8 +186,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         self.failed, self.render_mode = failed, render_mode
         self.session = Session(with_files(scene), drive=_still)
         try:
-            self.servos = Servos(self.actions, self.session)
-            self.times = self.session.grid.communication_step * np.arange(1, steps + 1)
+            times = self.session.grid.communication_step * np.arange(1, steps + 1)
+            self.servos = Servos(self.actions, self.session, times)
             self.starts = self._make_starts(starts, None if cache is None else Path(cache))
             self.values = self.session.recorder.values
             self.observed = [(name, 1 / scale) for name, scale in observed.items()]
@@ -258,9 +262,9 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         targets = np.asarray(action, float)
         if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
             raise InputError(f"the action is {action!r}, but must be {len(self.actions)} finite numbers")
-        targets = np.clip(targets, self.low, self.high)
+        targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
         try:
-            self._advance(self.steps, self.servos.plan(targets, self.times))
+            self._advance(self.steps, self.servos.plan(targets))
             self._last = self._observe()
         except (UnitError, CouplingError) as failure:
             return self._last, self.failed, True, False, {"time": self.session.time, "error": str(failure)}
