@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -158,13 +158,8 @@ def session(
     packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
     scheme = (lambda units: Rigid(units["fluid"], scene)) if rigid else None
     if drive is None and (packed.get("rod") or {}).get("root_motion") == "master":
-        drive = standing
+        drive = coupling.stand_still
     return Session(validate(packed), folder, drive=drive, scheme=scheme)
-
-
-def standing(_time: float, _values: Mapping[str, float]) -> dict[str, float]:
-    """Leave a root where it is at rest."""
-    return {}
 
 
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:

@@ -165,6 +165,11 @@ def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_
         Session(validate(rod_only), drive=heave)
 
 
+def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
+    done = conftest.nervure("inspect", PLATE)
+    assert done.returncode == 0 and "wall time" in done.stdout, done.stderr
+
+
 @pytest.mark.parametrize("name", ["pid", "table", "policy"])
 def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name):
     file = EXAMPLES / f"drive_{name}.py"

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.drive import Drive, Driver, Memory, read_drive
+from nervure.coupling.drive import Drive, Driver, Memory, read_drive, stand_still
 from nervure.coupling.guards import CouplingError, EnergyGuard, takes_momentum
 from nervure.coupling.schemes import (
     Choice,
@@ -19,7 +19,7 @@ from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterat
 from nervure.units.fmu import Unit
 
 __all__ = ["Aitken", "Choice", "CouplingError", "Drive", "Driver", "EnergyGuard", "Explicit", "IqnIls", "Iterated"]
-__all__ += ["Memory", "ParallelExplicit", "Scheme", "SingleUnit", "connections", "couple", "read_drive"]
+__all__ += ["Memory", "ParallelExplicit", "Scheme", "SingleUnit", "connections", "couple", "read_drive", "stand_still"]
 
 
 def couple(units: dict[str, Unit], coupling: Coupling | None, foreign: Collection[str] = ()) -> Scheme:

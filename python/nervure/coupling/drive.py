@@ -58,6 +58,11 @@ class Memory(Protocol):
         """Return to what `state` gave."""
 
 
+def stand_still(_time: float, _values: Mapping[str, float], /) -> dict[str, float]:
+    """Leave all where it is: a drive for any scene."""
+    return {}
+
+
 def driven_quantities(unit: Unit) -> dict[str, tuple[str, str | None]]:
     """Return the driven inputs of `unit` that are no rates, each with its scene key and the input of its rate."""
     found: dict[str, tuple[str, str | None]] = {}
@@ -130,7 +135,7 @@ class Driver:
                 "drives it: give laws of time, or a function as `drive` of `nervure.run`, or its file as `--drive` "
                 "(docs/guide/drive.md)"
             )
-        if drive is not None and not self.places:
+        if drive not in (None, stand_still) and not self.places:
             allowed = " or ".join(dict.fromkeys(key for key, *_ in DRIVEN))
             raise InputError(
                 f'a drive is given, but the scene leaves nothing to it: {allowed} must be "master" '
@@ -145,7 +150,7 @@ class Driver:
     def move(self, t: float, h: float, values: Mapping[str, float]) -> None:
         """Set the inputs for the step from `t` to `t + h` (s) after the `values` at its beginning. Raise
         `CouplingError` where the drive fails."""
-        if self.drive is None:
+        if self.drive is None or not self.places:
             return
         given = self._ask(self.drive, t + h, values)
         last, self.last = self.last or h, h

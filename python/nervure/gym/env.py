@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 
-from nervure.coupling import CouplingError
+from nervure.coupling import CouplingError, stand_still
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
 from nervure.scene import Scene, with_files
@@ -45,7 +45,7 @@ class Servos:
         driver = session.driver
         for own in actions:
             if own.name not in driver.rates:
-                known = ", ".join(driver.rates)
+                known = ", ".join(driver.rates) or "nothing"
                 raise InputError(f"there is an action {own.name!r}, but the scene leaves open {known}")
             if not (own.low < own.high and math.isfinite(own.low) and math.isfinite(own.high) and own.lag > 0):
                 raise InputError(
@@ -139,11 +139,6 @@ def _read(session: Session, path: Path) -> bool:
     return True
 
 
-def _still(_time: float, _values: Values) -> dict[str, float]:
-    """Leave all where it is: the servos of an environment set inputs themselves."""
-    return {}
-
-
 class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     """An environment of `scene`: each step sets the targets of `actions` and makes `steps` communication steps.
 
@@ -184,7 +179,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             raise InputError("there are no starts, but an episode needs one")
         self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, steps, ends
         self.failed, self.render_mode = failed, render_mode
-        self.session = Session(with_files(scene), drive=_still)
+        self.session = Session(with_files(scene), drive=stand_still)  # Servos set its inputs
         try:
             times = self.session.grid.communication_step * np.arange(1, steps + 1)
             self.servos = Servos(self.actions, self.session, times)
