@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-import math
 import tomllib
 from collections.abc import Callable
 from functools import lru_cache
@@ -159,17 +158,8 @@ def session(
     packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
     scheme = (lambda units: Rigid(units["fluid"], scene)) if rigid else None
     if drive is None and (packed.get("rod") or {}).get("root_motion") == "master":
-        drive = standing(packed)
+        drive = coupling.stand_still
     return Session(validate(packed), folder, drive=drive, scheme=scheme)
-
-
-def standing(scene: dict[str, Any]) -> coupling.Drive:
-    """Return a drive that leaves a clamped root where it is at rest."""
-    at = scene["beam"]["root"]["at"]
-    position, direction = at["position"], at["direction"]
-    still = [0.0] * len(position)
-    turn = [math.atan2(direction[1], direction[0]), 0.0] if len(position) == 2 else [*direction, *still]
-    return lambda _: [*position, *still, *turn]
 
 
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:

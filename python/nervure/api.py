@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nervure.catalogue import hint
+from nervure.coupling import Drive
 from nervure.errors import InputError
 from nervure.extras import require
 from nervure.files import claimed, undone_on_error
@@ -199,6 +200,7 @@ def run(
     fields_every: float | None = None,
     series_every: float | None = None,
     on_step: OnStep | None = None,
+    drive: Drive | None = None,
     force: bool = False,
     quiet: bool = False,
     live: bool = False,
@@ -212,7 +214,8 @@ def run(
     in a notebook, in a figure below the cell, and `fmi`, the version of our units.
 
     `on_step(time, values)` is called with each recorded row of the series, a dictionary by column; where it returns
-    a true value, the run ends there, and its checkpoint stays in the folder.
+    a true value, the run ends there, and its checkpoint stays in the folder. `drive(time, values)` sets what the scene
+    leaves to the master (`nervure.coupling.Drive`).
 
     >>> run = nervure.run("csm3", folder / "csm3", overrides=["time.end=0.1"], quiet=True)
     >>> run.summary.completed, len(run.series["tip_uy"])
@@ -244,18 +247,28 @@ def run(
     with claimed(place), undone_on_error(place) as keep:
         if not quiet:
             announce(Facts(scene))
-        session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=options["series_every"])
+        session = Session.packed(
+            scene, folder, foreign, fmi=fmi, force=force, series_every=options["series_every"], drive=drive
+        )
         return _run(session, options, quiet, live, keep, on_step)
 
 
-def resume(folder: str | Path, *, end_time: float | None = None, quiet: bool = False, live: bool = False) -> Run:
+def resume(
+    folder: str | Path,
+    *,
+    end_time: float | None = None,
+    drive: Drive | None = None,
+    quiet: bool = False,
+    live: bool = False,
+) -> Run:
     """Continue the run in `folder` from its checkpoint, to another end time (s) if it is given: so a run that is
-    finished goes on, if it was made with `checkpoint_every`. Raise what `run` raises."""
+    finished goes on, if it was made with `checkpoint_every`. A driven run needs its `drive` again. Raise what `run`
+    raises."""
     from nervure.output.console import announce
 
     folder = Path(folder)
     with claimed(folder) if folder.is_dir() else nullcontext():
-        session, options = checkpoint.resume(folder, None if end_time is None else float(end_time))
+        session, options = checkpoint.resume(folder, None if end_time is None else float(end_time), drive)
         if not quiet:
             announce(session.facts)
         return _run(session, options, quiet, live, started=lambda: None)

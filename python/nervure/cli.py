@@ -92,6 +92,12 @@ RodFmus = Annotated[
         help="Use this FMU in place of the rod, or of the rod NAME where the scene has several; repeatable.",
     ),
 ]
+DriveFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--drive", metavar="FILE.py", help="File whose `drive(time, values)` sets what the scene leaves open."
+    ),
+]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of the fluid.")]
 
 app = typer.Typer(
@@ -204,6 +210,7 @@ def run(
     overrides: Overrides = None,
     rod_fmu: RodFmus = None,
     fluid_fmu: FmuPath = None,
+    drive: DriveFile = None,
     checkpoint_every: Annotated[
         float | None,
         typer.Option(min=0, metavar="MINUTES", help="Wall time between checkpoints, min."),
@@ -221,6 +228,7 @@ def run(
 ) -> None:
     """Run a scene; write tables, a summary and pictures into results/NAME."""
     from nervure import api
+    from nervure.coupling import read_drive
     from nervure.scene import load
 
     scene = load(scene_file, overrides or (), end_time)
@@ -231,6 +239,7 @@ def run(
             output,
             rod_fmu=rod_fmus,
             fluid_fmu=fluid_fmu,
+            drive=read_drive(drive) if drive else None,
             checkpoint_every=checkpoint_every,
             fields_every=fields_every,
             series_every=series_every,
@@ -265,14 +274,16 @@ def resume(
         float | None,
         typer.Option(help="Another end time, s; a finished run goes on if it was made with --checkpoint-every."),
     ] = None,
+    drive: DriveFile = None,
     quiet: Quiet = False,
     live: Live = False,
 ) -> None:
     """Continue the run in a result folder from its checkpoint, with the scene, the units and the options of the run."""
     from nervure import api
+    from nervure.coupling import read_drive
 
     with _exit_code():
-        api.resume(folder, end_time=end_time, quiet=quiet, live=live)
+        api.resume(folder, end_time=end_time, drive=read_drive(drive) if drive else None, quiet=quiet, live=live)
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import nervure
 from nervure.coupling import CouplingError
 from nervure.coupling.flight import Carried
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.simulation.session import Session
 from nervure.units.describe import describe
 
@@ -123,20 +124,22 @@ def test_the_master_moves_hinges(tmp_path):
     """A function gives the same flight as the law."""
     by_law = pair()
     for hinge in by_law["flyer"]["hinges"]:
-        hinge["motion"] = {"stroke": {"sine": {"amplitude": 0.3, "frequency": 1.0}}}
+        hinge["motion"] = {"stroke": {"cosine_ramp": {"value": 0.6, "duration": 0.5}}}
     driven = copy.deepcopy(by_law)
     for hinge in driven["flyer"]["hinges"]:
         hinge["motion"] = "master"
 
-    def drive(t: float) -> list[float]:
-        angle, rate = 0.3 * math.sin(math.tau * t), 0.3 * math.tau * math.cos(math.tau * t)
-        return [angle, rate, 0.0, 0.0, 0.0, 0.0] * 2
+    def drive(t: float, _: Mapping[str, float]) -> dict[str, float]:
+        angle, rate = 0.3 - 0.3 * math.cos(math.tau * t), 0.3 * math.tau * math.sin(math.tau * t)
+        return {f"{name}.stroke": angle for name in ("left", "right")} | {
+            f"{name}.stroke_rate": rate for name in ("left", "right")
+        }
 
     with run(by_law, tmp_path, 20) as session:
         expected = outputs(session)["y"]
     with run(driven, tmp_path, 20, drive=drive) as session:
         assert outputs(session)["y"] == pytest.approx(expected, rel=1e-9)
-    with pytest.raises(CouplingError, match=r"leaves a hinge to the master \(flyer.hinges\[k\].motion\)"):
+    with pytest.raises(InputError, match=r"leaves .*left.stroke.* to the master \(flyer.hinges\[k\].motion\)"):
         run(driven, tmp_path)
 
 

@@ -28,6 +28,7 @@ class Fake:
 
     def connect(self, inputs, outputs, _watched=()):
         self.names, self.inputs, self.outputs = inputs, np.zeros(2 * len(inputs)), np.zeros(2 * len(outputs))
+        self.input_slices = {name: slice(2 * i, 2 * i + 2) for i, name in enumerate(inputs)}
         self.slices = {name: slice(2 * i, 2 * i + 2) for i, name in enumerate(outputs)}
         self.exchanged = self.outputs
 

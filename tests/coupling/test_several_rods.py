@@ -113,13 +113,14 @@ def test_iteration_over_two_rods_gives_the_monolithic_solution():
 def test_drive_gives_each_rod_its_own_root():
     rods = [Spring(), Spring()]
     for rod in rods:
-        rod.variables |= Fake("rod", ["root.y"], []).variables
-    scheme = coupling.Explicit(rods, TwoAddedMasses(), drive=lambda t: [t, t, -t, -t])
+        rod.variables |= Fake("rod", ["root.y", "root.vy"], []).variables
+    fluid = TwoAddedMasses()
+    scheme = coupling.Explicit(rods, fluid)
+    units = {"upper": rods[0], "lower": rods[1], "fluid": fluid}
+    driver = coupling.Driver(units, lambda t, _: {"upper.root.y": t, "lower.root.y": -t})
+    driver.move(0.0, 0.5, {})
     scheme.step(0.0, 0.5)
     assert [rod.input("root.y") for rod in rods] == [0.5, -0.5]
-    scheme.drive = lambda t: [t] * 5
-    with pytest.raises(ValueError, match="could not broadcast"):
-        scheme.step(0.5, 0.5)
 
 
 def test_fluid_for_more_rods_is_refused():

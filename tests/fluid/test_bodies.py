@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nervure.coupling import CouplingError
+from nervure.errors import InputError
 from nervure.evaluate import bodies, flapping as flapping_averages, statistics
 from nervure.scene import document, load, override, read, validate
 from nervure.scene.facts import Facts
@@ -210,8 +210,9 @@ def test_a_cylinder_on_a_spring_locks_in():
 
 
 def test_the_master_moves_a_body_and_a_state_has_all_of_it(carried):
-    def drive(t):
-        return [0.1 * np.sin(3 * t), 0.0, t, 0.3 * np.cos(3 * t), 0.0, 1.0]
+    def drive(t, _):
+        motion = {"x": 0.1 * np.sin(3 * t), "vx": 0.3 * np.cos(3 * t), "angle": t, "omega": 1.0}
+        return {f"body[1].motion.{part}": value for part, value in motion.items()}
 
     with Session(validate(carried), drive=drive) as session:
         unit = session.units["fluid"]
@@ -231,7 +232,7 @@ def test_the_master_moves_a_body_and_a_state_has_all_of_it(carried):
             first.append(unit.reals.copy())
             unit.restore()
         assert (first[0] == first[1]).all() and first[0].any()
-    with pytest.raises(CouplingError, match=r"a body to the master \(fluid.bodies\[k\].motion\)"):
+    with pytest.raises(InputError, match=r"leaves body\[1\].motion.x, .* to the master .*, but nothing drives it"):
         Session(validate(carried))
 
 

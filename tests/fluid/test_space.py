@@ -265,8 +265,10 @@ def test_the_master_moves_a_body_in_space(libraries):
     """By a rotation vector about an oblique axis: the unit and the pictures turn the body alike."""
     axis = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0]
 
-    def drive(t):
-        return [0.1 * t, 0.0, t, *(3 * t * along for along in axis), 0.1, 0.0, 1.0, *(3 * along for along in axis)]
+    def drive(t, _):
+        turn = {f"angle_{about}": 3 * t * along for about, along in zip("xyz", axis)}
+        turn |= {f"omega_{about}": 3 * along for about, along in zip("xyz", axis)}
+        return {f"body[1].motion.{part}": value for part, value in {"x": 0.1 * t, "z": t, **turn}.items()}
 
     scene = changed(bodies=[SPHERE["fluid"]["bodies"][0] | {"motion": "master"}])
     with Session(validate(scene), drive=drive) as session:

@@ -134,7 +134,7 @@ def test_a_time_outside_of_a_run_is_refused(tmp_path):
 
 def test_what_the_master_moves_names_the_page_whose_example_runs(rod_only, tmp_path, monkeypatch):
     rod_only["rod"]["root_motion"] = "master"
-    with pytest.raises(nervure.InputError, match="`drive` of a `Session` in Python .docs/guide/python.md.") as refused:
+    with pytest.raises(nervure.InputError, match="`drive` of `nervure.run`, .* .docs/guide/drive.md.") as refused:
         nervure.run(validate(rod_only), tmp_path / "run", quiet=True)
     page = ROOT / re.findall(r"docs/\S+\.md", str(refused.value))[0]
     blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)

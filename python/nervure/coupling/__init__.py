@@ -3,11 +3,11 @@
 from collections.abc import Collection
 
 from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.drive import Drive, Driver, Memory, read_drive, stand_still
 from nervure.coupling.flight import Flight
 from nervure.coupling.guards import CouplingError, EnergyGuard, takes_momentum
 from nervure.coupling.schemes import (
     Choice,
-    Drive,
     Explicit,
     Iterated,
     ParallelExplicit,
@@ -19,17 +19,13 @@ from nervure.coupling.schemes import (
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
 from nervure.units.fmu import Unit
 
-__all__ = ["Aitken", "Choice", "CouplingError", "Drive", "EnergyGuard", "Explicit", "IqnIls", "Iterated"]
-__all__ += ["ParallelExplicit", "Scheme", "SingleUnit", "connections", "couple"]
+__all__ = ["Aitken", "Choice", "CouplingError", "Drive", "Driver", "EnergyGuard", "Explicit", "IqnIls", "Iterated"]
+__all__ += ["Memory", "ParallelExplicit", "Scheme", "SingleUnit", "connections", "couple", "read_drive", "stand_still"]
 
 
-def couple(
-    units: dict[str, Unit], coupling: Coupling | None, drive: Drive | None = None, foreign: Collection[str] = ()
-) -> Scheme:
+def couple(units: dict[str, Unit], coupling: Coupling | None, foreign: Collection[str] = ()) -> Scheme:
     """Connect the units of a scene under its `coupling`; `choice` of the scheme says what the scene left open.
 
-    `drive` moves the roots and bodies that the scene leaves to the master: it returns the inputs of one rod after the
-    other, then those of the bodies.
     Guards that the scene does not set are on, unless a unit is `foreign`: its powers need not mean the same.
 
     The load was chosen when the units were packed. The scheme follows from it: explicit under the momentum load, which
@@ -38,10 +34,10 @@ def couple(
     if "body" in units:
         guards = (coupling and coupling.guards) or (None if foreign else Guards())
         carried = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
-        return Flight(units["body"], carried, units.get("fluid"), drive, guards)
+        return Flight(units["body"], carried, units.get("fluid"), guards)
     if len(units) == 1:
         (unit,) = units.values()
-        return SingleUnit(unit, drive)
+        return SingleUnit(unit)
     fluid, rods = units["fluid"], [unit for name, unit in units.items() if name != "fluid"]
     load = "momentum" if any(map(takes_momentum, rods)) else "pressure_jump"
     coupling = coupling or Coupling()
@@ -54,9 +50,9 @@ def couple(
         reason = "the pressure jump holds the added mass, which an explicit scheme leaves a step late"
     made: Explicit
     if isinstance(scheme, CouplingSchemeIterated):
-        made, name = Iterated(rods, fluid, scheme.iterated, drive), f"iterated, {scheme.iterated.acceleration}"
+        made, name = Iterated(rods, fluid, scheme.iterated), f"iterated, {scheme.iterated.acceleration}"
     else:
-        made = (Explicit if scheme == "explicit" else ParallelExplicit)(rods, fluid, drive, guards)
+        made = (Explicit if scheme == "explicit" else ParallelExplicit)(rods, fluid, guards)
         name = scheme
     made.foreign = [unit for name, unit in units.items() if name in foreign]
     only = f"the {'wing' if 'wing' in units else 'rod'} has no other input"

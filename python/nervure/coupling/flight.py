@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from nervure.coupling.drive import driven_inputs, master_inputs
 from nervure.coupling.guards import CouplingError
-from nervure.coupling.schemes import Drive, Explicit, Link, check_drive, driven_inputs
+from nervure.coupling.schemes import Explicit, Link
 from nervure.scene.types import Guards
 from nervure.units.fmu import Unit
 
@@ -20,7 +21,6 @@ AXES = "xyz"
 REACTION = [f"root.{kind}_{axis}" for kind in ("force", "moment") for axis in AXES]
 RESPONSE = ["root.reaction", "root.impedance"]
 LOAD = [f"load.{kind}_{axis}" for kind in ("force", "moment") for axis in AXES]
-ANGLES = ("stroke", "deviation", "pitch")
 MOTION = {
     **{f"motion.{kind}{axis}": f"{kind}{axis}" for kind in ("", "v") for axis in AXES},
     **{f"motion.{kind}_{axis}": f"{kind}_{axis}" for kind in ("angle", "omega") for axis in AXES},
@@ -39,13 +39,14 @@ class Carried:
 
     def __init__(self, name: str, link: Link, body: Unit):
         self.name, self.unit, self.link, self.body = name, link.rod, link, body
+        self.root = link.rod.inputs[link.rod_loads.size :]
         for own in (*RESPONSE, *REACTION):
             if own not in self.unit.variables:
                 raise CouplingError(
                     f"the body carries the {self.unit.name}, which has no output `{own}`: a body needs the force on "
                     "its root before its step, and the rate at which it falls with the root's velocities"
                 )
-        self.inputs = places(self.unit, driven_inputs(self.unit))
+        self.inputs = places(self.unit, master_inputs(self.unit))
         self.moved = [own for own in self.inputs if own != "root.step"]
         self.announced = [self.unit.reader([own]) for own in RESPONSE]
 
@@ -55,9 +56,9 @@ class Carried:
 
     def move(self, kind: str, h: float) -> None:
         """Give the root its place at the end of a step of `h` (s), or the `reference` of that."""
-        self.link.root[self.inputs["root.step"]] = h
+        self.root[self.inputs["root.step"]] = h
         for own, output in zip(self.moved, self.outputs(kind), strict=True):
-            self.link.root[self.inputs[own]] = self.body.outputs[self.body.slices[output]]
+            self.root[self.inputs[own]] = self.body.outputs[self.body.slices[output]]
 
     def respond(self) -> dict[str, np.ndarray]:
         """Return reaction and impedance of the coming step."""
@@ -76,14 +77,13 @@ class Flight(Explicit):
     shape: Callable[[], np.ndarray] | None = None
     """Reader of the loads of the fluid on the body's shape; None where the fluid does not feel the body."""
 
-    def __init__(
-        self, body: Unit, rods: dict[str, Unit], fluid: Unit | None, drive: Drive | None, guards: Guards | None
-    ):
-        self.body, self.flow, self.drive = body, fluid, drive
+    def __init__(self, body: Unit, rods: dict[str, Unit], fluid: Unit | None, guards: Guards | None):
+        self.body, self.flow = body, fluid
         self.inputs = places(body, [v.name for v in body.variables.values() if v.causality == "input"])
         self.carried_units = [unit for name, unit in rods.items() if f"{name}.root.reaction" in self.inputs]
         if fluid:
-            super().__init__([*rods.values()], fluid, drive, guards if rods else None)
+            super().__init__([*rods.values()], fluid, guards if rods else None)
+            self.bodies = fluid.inputs[self.fluid_stations.size :]
         else:
             self.rods, self.bodies = [*rods.values()], np.zeros(0)
             self.links = [self._alone(rod) for rod in self.rods]
@@ -92,20 +92,16 @@ class Flight(Explicit):
         self.carried = [Carried(name, link, body) for name, link in links.items()]
         roots = [name for one in self.carried for kind in ("reference", "root") for name in one.outputs(kind)]
         body.connect([*self.inputs], roots)
-        hinged = tuple(f"{name}.{angle}" for name in links for angle in ANGLES)
-        self.hinges = [name for name in self.inputs if name.startswith(hinged)]
-        if self.hinges and drive is None:
-            raise CouplingError(
-                "the scene leaves a hinge to the master (flyer.hinges[k].motion), but nothing drives it: give laws of "
-                "time, or a function as `drive` of a `Session` in Python (docs/guide/python.md)"
-            )
         self._find_shape()
 
     def watched(self, rod: Unit) -> list[str]:
         return REACTION if rod in self.carried_units else []
 
-    def is_driven(self, unit: Unit) -> bool:
-        return unit not in self.carried_units and not (unit is self.flow and self._prefix())
+    def left(self, unit: Unit) -> list[str]:
+        if unit in self.carried_units:
+            return []
+        prefix = self._prefix() if unit is self.flow else ""
+        return [name for name in driven_inputs(unit) if not (prefix and name.startswith(prefix))]
 
     def _prefix(self) -> str:
         """Return the prefix of the body's shape at the fluid, such as `body[1].`; empty without one."""
@@ -114,20 +110,17 @@ class Flight(Explicit):
 
     def _alone(self, rod: Unit) -> Link:
         """Connect a rod without a fluid."""
-        root, none = driven_inputs(rod), np.zeros(0)
-        if self.is_driven(rod):
-            check_drive(rod, self.drive)
-        rod.connect(root, [], self.watched(rod))
-        return Link(rod, rod.exchanged, none, none, none, rod.inputs)
+        none = np.zeros(0)
+        rod.connect(master_inputs(rod), [], self.watched(rod))
+        return Link(rod, rod.exchanged, none, none, none)
 
     def _find_shape(self) -> None:
         """Find the shape of the body in the fluid: the places of its motion, and its loads."""
-        prefix, self.motion, self.free = self._prefix(), dict[str, slice](), np.arange(self.bodies.size)
+        prefix, self.motion = self._prefix(), dict[str, slice]()
         if self.flow is None or not prefix:
             return
-        own = places(self.flow, driven_inputs(self.flow))
+        own = places(self.flow, master_inputs(self.flow))
         self.motion = {MOTION[name.removeprefix(prefix)]: at for name, at in own.items() if name.startswith(prefix)}
-        self.free = np.setdiff1d(self.free, [at.start for at in self.motion.values()])
         loads, impedance = (
             self.flow.reader([prefix + name for name in LOAD]),
             self.flow.reader([f"{prefix}load.impedance"]),
@@ -138,17 +131,6 @@ class Flight(Explicit):
         """Give the body an input."""
         self.body.inputs[self.inputs[name]] = value
 
-    def move_driven(self, t: float) -> None:
-        if not self.drive:
-            return
-        values = np.asarray(self.drive(t), float)
-        for link in (link for link in self.links if link.rod not in self.carried_units):
-            link.root[:], values = values[: link.root.size], values[link.root.size :]
-        for name in self.hinges:
-            self.give(name, values[0])
-            values = values[1:]
-        self.bodies[self.free] = values
-
     def give_body(self) -> None:
         """Give the fluid the motion of the body's shape."""
         for name, at in self.motion.items():
@@ -156,7 +138,6 @@ class Flight(Explicit):
             self.bodies[at] = self.body.outputs[self.body.slices[name]] - start
 
     def start(self) -> None:
-        self.move_driven(0.0)
         self.body.set()
         self.body.get()
         self.rest = {axis: self.body.outputs[self.body.slices[axis]].item() for axis in AXES}
@@ -175,7 +156,6 @@ class Flight(Explicit):
     def step_rods(self, t: float, h: float) -> None:
         """Step the body and the rods from `t` to `t + h` (s) with the loads of the fluid."""
         self.take_loads()
-        self.move_driven(t + h)
         self.give("step", h)
         if self.shape:
             for name, value in zip([*LOAD, "load.impedance"], np.split(self.shape(), range(1, 7)), strict=True):

@@ -13,14 +13,14 @@ Iterated: from a guess of the stations x at t + H,
 until r is small; before each repetition all units return to t. Aitken's relaxation or IQN-ILS makes the next guess.
 """
 
-import re
 from array import array
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.drive import driven_inputs, master_inputs
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
 from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, below, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
@@ -38,35 +38,12 @@ FALL = 0.5
 COARSEST_TOLERANCE = 1e-2
 """Largest residual, relative to the displacement in the step, that a user may want to accept."""
 
-Drive = Callable[[float], Sequence[float]]
-"""Motion of driven roots and bodies: the rods' inputs `root.*` and the fluid's `body[k].motion.*` at a time (s), in
-order."""
-
-BODY_MOTION = re.compile(r"body\[\d+\]\.motion\.")
-
-
-def driven_inputs(unit: Unit) -> list[str]:
-    """Return the names of the inputs that drive the root or the bodies of `unit`."""
-    names = (v.name for v in unit.variables.values() if v.causality == "input")
-    return [name for name in names if name.startswith("root.") or BODY_MOTION.match(name)]
-
-
-def check_drive(unit: Unit, drive: Drive | None) -> None:
-    """Raise `CouplingError` where a root or a body of `unit` is left to the master, and there is no `drive`."""
-    if (driven := driven_inputs(unit)) and drive is None:
-        root = driven[0].startswith("root.")
-        part, key = ("the root", "rod.root_motion") if root else ("a body", "fluid.bodies[k].motion")
-        raise CouplingError(
-            f"the scene leaves {part} to the master ({key}), but nothing drives it: give laws of "
-            "time, or a function as `drive` of a `Session` in Python (docs/guide/python.md)"
-        )
-
 
 def connections(source: Unit, target: Unit, prefix_at_source: str = "", prefix_at_target: str = "") -> list[str]:
     """Return the names of the quantities that `source` gives to `target`, without the prefixes at both. Raise
-    `CouplingError` where an input of `target`, except one of a driven root, has no output of the same name, size and
-    unit."""
-    inputs = (v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root."))
+    `CouplingError` where an input of `target`, except a driven one, has no output of the same name, size and unit."""
+    driven = master_inputs(target)
+    inputs = (v.name for v in target.variables.values() if v.causality == "input" and v.name not in driven)
     names = [name.removeprefix(prefix_at_target) for name in inputs if name.startswith(prefix_at_target)]
     for name in names:
         here, there = target.variables[prefix_at_target + name], source.variables.get(prefix_at_source + name)
@@ -114,6 +91,10 @@ class Scheme:
         """Step from `t` to `t + h` (s); return the number of iterations."""
         raise NotImplementedError
 
+    def left(self, unit: Unit) -> list[str]:
+        """Return the driven inputs of `unit` that the scheme leaves to the drive: all."""
+        return driven_inputs(unit)
+
     def memory(self) -> dict[str, np.ndarray]:
         """Return what the scheme itself carries from step to step, for a checkpoint."""
         return {}
@@ -127,21 +108,17 @@ class Scheme:
 
 
 class SingleUnit(Scheme):
-    """One unit alone: every input keeps its start value, except the motion of a root or bodies that `drive` gives."""
+    """One unit alone: every input keeps its start value, except the driven ones."""
 
-    def __init__(self, unit: Unit, drive: Drive | None = None):
-        check_drive(unit, drive)
-        unit.connect(driven_inputs(unit), [])
-        self.unit, self.drive, self.driven = unit, drive, unit.inputs
-        self.units = [unit]
+    def __init__(self, unit: Unit):
+        unit.connect(master_inputs(unit), [])
+        self.unit, self.units = unit, [unit]
 
     def start(self) -> None:
         self.unit.get()
         self.unit.start()
 
     def step(self, t: float, h: float) -> int:
-        if self.drive:
-            self.driven[:] = self.drive(t + h)
         self.unit.step(t, h)
         return 1
 
@@ -155,7 +132,6 @@ class Link:
     fluid_stations: np.ndarray  # Stations as inputs of the fluid
     loads: np.ndarray  # Outputs of the fluid
     rod_loads: np.ndarray  # Loads as inputs of the rod
-    root: np.ndarray  # Inputs of the rod that drive its root
 
 
 class Explicit(Scheme):
@@ -167,8 +143,8 @@ class Explicit(Scheme):
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
 
-    def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
-        self.rods, self.fluid, self.drive = list(rods), fluid, drive
+    def __init__(self, rods: Sequence[Unit], fluid: Unit, guards: Guards | None = None):
+        self.rods, self.fluid = list(rods), fluid
         self.units = [*self.rods, fluid]
         wings = sum(WING.fullmatch(name) is not None for name in fluid.variables)
         self.prefixes = prefixes(len(self.rods) - wings, wings)
@@ -188,42 +164,30 @@ class Explicit(Scheme):
         for rod, beam in zip(self.rods, places, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
-            if self.is_driven(rod):
-                check_drive(rod, self.drive)
-            root = driven_inputs(rod)
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
             on_rod = [name for name in on_rod if name in rod.variables] + self.watched(rod)
-            rod.connect(loads[-1] + root, stations[-1], on_rod)
+            rod.connect(loads[-1] + master_inputs(rod), stations[-1], on_rod)
             powers += [name for name in from_fluid if name in self.fluid.variables]
         here = [[beam + name for name in names] for beam, names in zip(places, stations, strict=True)]
         there = [[beam + name for name in names] for beam, names in zip(places, loads, strict=True)]
         known = [name for names in here for name in names]
-        if self.is_driven(self.fluid):
-            check_drive(self.fluid, self.drive)
-        bodies = driven_inputs(self.fluid)
+        driven = master_inputs(self.fluid)
         inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
-        if lost := next((name for name in inputs if name not in [*known, *bodies]), None):
+        if lost := next((name for name in inputs if name not in [*known, *driven]), None):
             raise CouplingError(f"the {self.fluid.name} has the input `{lost}`, but there is no rod for it")
-        self.fluid.connect(known + bodies, [name for names in there for name in names], powers)
+        self.fluid.connect(known + driven, [name for names in there for name in names], powers)
 
         def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
             return np.split(values, np.cumsum(sizes))[:-1]
 
-        self.fluid_stations, self.bodies = np.split(self.fluid.inputs, [self.fluid.inputs.size - len(bodies)])
+        self.fluid_stations = self.fluid.inputs[: self.fluid.inputs.size - len(driven)]
         pairs = zip(self.rods, parts(self.fluid_stations, here), parts(self.fluid.exchanged, there), strict=True)
-        return [
-            Link(rod, rod.exchanged, stations, loads, *np.split(rod.inputs, [loads.size]))
-            for rod, stations, loads in pairs
-        ]
+        return [Link(rod, rod.exchanged, stations, loads, rod.inputs[: loads.size]) for rod, stations, loads in pairs]
 
     def watched(self, _rod: Unit) -> list[str]:
         """Return further outputs of a rod that every step fetches."""
         return []
-
-    def is_driven(self, _unit: Unit) -> bool:
-        """Return whether `drive` moves the root or the bodies of a unit, if anything does."""
-        return True
 
     def give_stations(self) -> None:
         """Copy the stations of the rods to the fluid."""
@@ -234,14 +198,6 @@ class Explicit(Scheme):
         """Copy the loads of the fluid to the rods."""
         for link in self.links:
             link.rod_loads[:] = link.loads
-
-    def move_driven(self, t: float) -> None:
-        """Move the roots and bodies that `drive` drives to their place at `t` (s)."""
-        if self.drive:
-            driven = [link.root for link in self.links] + [self.bodies] * (self.bodies.size > 0)
-            ends = np.cumsum([part.size for part in driven])[:-1]
-            for part, values in zip(driven, np.split(np.asarray(self.drive(t)), ends), strict=True):
-                part[:] = values
 
     def start(self) -> None:
         for rod in self.rods:
@@ -259,7 +215,6 @@ class Explicit(Scheme):
     def step_rods(self, t: float, h: float) -> None:
         """Step the rods from `t` to `t + h` (s) with the loads of the fluid."""
         self.take_loads()
-        self.move_driven(t + h)
         for rod in self.rods:
             rod.step(t, h)
         for watch in self.watches:
@@ -296,8 +251,8 @@ CONVERGENCE = ("step", "iteration", "residual")
 class Iterated(Explicit):
     """Exchanges until all units agree: guess, residual and limit are of all rods together."""
 
-    def __init__(self, rods: Sequence[Unit], fluid: Unit, options: Iteration, drive: Drive | None = None):
-        super().__init__(rods, fluid, drive)
+    def __init__(self, rods: Sequence[Unit], fluid: Unit, options: Iteration):
+        super().__init__(rods, fluid)
         for unit in (*self.rods, fluid):
             if not unit.can_roll_back:
                 raise CouplingError(f"the iterated scheme needs rollback, but the {unit.name} cannot restore its state")
@@ -344,7 +299,6 @@ class Iterated(Explicit):
             if iteration > 1:
                 for unit in (*rods, fluid):
                     unit.restore()
-            self.move_driven(t + h)
             fluid.step(t, h)
             self.step_rods(t, h)
             self.gather()

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from nervure.coupling import stand_still
 from nervure.errors import InputError, UnitError
 from nervure.library import is_built
 from nervure.output import forecast
@@ -129,7 +130,7 @@ def _fine_box(fine: FineBox, fluid: Fluid) -> str:
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield scheme, table, memory and wall time of a scene, by name, from its first steps."""
     before = forecast.resident_memory()
-    with Session(scene) as session:
+    with Session(scene, drive=stand_still) as session:
         pace = forecast.Pace(session)
         session.observers = [pace]
         status = session.run(stopping=lambda: pace.total is not None and session.wall > TIMED)

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from nervure.coupling import Drive
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
 from nervure.scene import Document, Scene, validate
@@ -83,19 +84,19 @@ def digest(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.frombuffer(found.digest(), np.uint8)
 
 
-def resume(folder: Path, end_time: float | None = None) -> tuple[Session, Options]:
-    """Open the session of the run in `folder` at its checkpoint, with the FMUs that the run had, and with another end
-    time (s) if it is given."""
+def resume(folder: Path, end_time: float | None = None, drive: Drive | None = None) -> tuple[Session, Options]:
+    """Open the session of the run in `folder` at its checkpoint, with the FMUs that the run had, the `drive` that it
+    had, and with another end time (s) if it is given."""
     kept = read(folder, end_time is not None)
     try:
-        return _resume(folder, kept, end_time)
+        return _resume(folder, kept, end_time, drive)
     except InputError:
         raise
     except Exception as error:  # Its digest fits, but anything may stand in it
         raise CheckpointError(f"the checkpoint {kept.path} holds what no run wrote: {error!r}") from error
 
 
-def _resume(folder: Path, kept: Kept, end_time: float | None) -> tuple[Session, Options]:
+def _resume(folder: Path, kept: Kept, end_time: float | None, drive: Drive | None) -> tuple[Session, Options]:
     fmus = {unit: folder / path for unit, path in kept.about["fmus"].items()}
     for unit, path in fmus.items():
         if not path.is_file():
@@ -108,7 +109,8 @@ def _resume(folder: Path, kept: Kept, end_time: float | None) -> tuple[Session, 
     scene, done = validate(kept.about["scene"]), kept.about["done"]
     if end_time is not None:
         _extend(scene, done, end_time, options, folder)
-    session = Session(scene, folder, fmus, foreign=kept.about["foreign"], series_every=options["series_every"])
+    foreign, series_every = kept.about["foreign"], options["series_every"]
+    session = Session(scene, folder, fmus, foreign=foreign, drive=drive, series_every=series_every)
     try:
         restore(session, kept)
     except BaseException:
@@ -168,6 +170,8 @@ def restore(session: Session, kept: Kept) -> None:
     for name, array in session.scheme.memory().items():
         _like(array, memory[name], (len(memory[name]), *array.shape[1:]))
     session.scheme.remember(memory)
+    if session.driver.drive:
+        session.driver.remember(about["drive"])
     session.scheme.logs()
     done, recorder = about["done"], session.recorder
     if not (isinstance(done, int) and 0 <= done <= session.grid.steps):
@@ -218,7 +222,7 @@ class Checkpoint(Observer):
         session = self.session
         arrays = {"series": session.recorder.table[: session.recorder.rows]}
         about: About = self.about | {"guids": {}, "seconds": {}, "done": session.steps, "wall": session.wall}
-        about |= {"warnings": session.warnings, "places": session.places.memory}
+        about |= {"warnings": session.warnings, "places": session.places.memory, "drive": session.driver.memory()}
         for name, unit in session.units.items():
             arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{name}_{array}": getattr(unit, array) for array in EXCHANGED}

@@ -1,10 +1,12 @@
 """Recorder of the scalar outputs of units over time, in one table that is allocated before the run."""
 
 import re
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 import numpy as np
 
+from nervure.catalogue import hint
 from nervure.units.fmu import Unit
 
 MAX_ROWS = 200_000  # Largest number of rows: a longer run is recorded at every second, third, … step
@@ -15,6 +17,33 @@ PUNCTUATION = re.compile(r"[.\[\]]+")
 def column(name: str) -> str:
     """Return the name of the column of an output."""
     return PUNCTUATION.sub("_", name)
+
+
+class Values(Mapping[str, float]):
+    """The columns of the present row, whether it is recorded or not, and driven inputs; fetches what a step did not."""
+
+    def __init__(self) -> None:
+        self.time = 0.0  # s
+        self.places: dict[str, tuple[np.ndarray, int]] = {}
+        self.outputs: dict[str, tuple[Unit, str]] = {}
+
+    def __getitem__(self, name: str) -> float:
+        if name == "time":
+            return self.time
+        if name not in self.places:
+            raise KeyError(f"there is no column `{name}`: {hint(name, self)}")
+        values, place = self.places[name]
+        if name in self.outputs:
+            unit, output = self.outputs[name]
+            if unit.stale:
+                unit.fetch(output)
+        return float(values.item(place))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(["time", *self.places])
+
+    def __len__(self) -> int:
+        return 1 + len(self.places)
 
 
 class Recorder:
@@ -34,9 +63,15 @@ class Recorder:
         names = [name for _, name in outputs]
         several = len(units) > 2
         self.units: dict[str, str | None] = {"time": "s"}
+        self.values = Values()
         for own, name in outputs:
             alone = names.count(name) == 1 and not (several and own != "fluid")
-            self.units[column(name if alone else f"{own}_{name}")] = units[own].variables[name].unit
+            made, unit = column(name if alone else f"{own}_{name}"), units[own]
+            self.units[made] = unit.variables[name].unit
+            is_real = unit.variables[name].kind == "Real"
+            number = unit.scalars("Real" if is_real else "Integer").index(name)
+            self.values.places[made] = unit.reals if is_real else unit.integers, number
+            self.values.outputs[made] = unit, name
         self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0

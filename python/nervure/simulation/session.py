@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Self
 
-from nervure.coupling import Drive, Scheme, couple
+from nervure.coupling import Drive, Driver, Scheme, couple
 from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
@@ -38,8 +38,8 @@ class Session(TimeLoop):
             results = session.finish()
 
     The units are the FMUs `fmus`, of which `foreign` are not ours; the other ones are laid out in a temporary folder,
-    as `described` or else as the scene describes them. `drive` moves roots and bodies that the scene leaves to the
-    master; `scheme` makes another coupling scheme of the units.
+    as `described` or else as the scene describes them. `drive` sets what the scene leaves to the master; `scheme` makes
+    another coupling scheme of the units.
     `series_every` is the time between two rows of the series, s, rounded to whole steps.
     """
 
@@ -71,9 +71,11 @@ class Session(TimeLoop):
                 # Ours may go on after the end, from a checkpoint.
                 self.units[unit] = Unit(path, unit_label(unit, names[unit]), grid.end if unit in foreign else None)
                 stack.callback(self.units[unit].close)
-            made = scheme(self.units) if scheme else couple(self.units, scene.coupling, drive, foreign)
+            made = scheme(self.units) if scheme else couple(self.units, scene.coupling, foreign)
+            self.driver = Driver(self.units, drive, made.left)
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
+            self.recorder.values.places |= self.driver.places
             self._open = stack.pop_all()
         self.warnings: list[str] = []
         """Warnings of the run so far."""
@@ -114,6 +116,7 @@ class Session(TimeLoop):
         fmi: int = 2,
         force: bool = False,
         series_every: float | None = None,
+        drive: Drive | None = None,
     ) -> Self:
         """Open a session whose FMUs, of that version of FMI, stay in its folder; `foreign` are in the place of ours.
         Raise `InputError` where the folder holds other results, unless `force` allows their loss."""
@@ -127,7 +130,9 @@ class Session(TimeLoop):
             with ThreadPoolExecutor() as packers:  # To compress a library leaves Python to the session
                 packing = {name: packers.submit(package.pack, units[name], folder) for name in ours}
                 theirs = foreign.keys()
-                session = cls(scene, folder, foreign, foreign=theirs, described=units, series_every=series_every)
+                session = cls(
+                    scene, folder, foreign, foreign=theirs, described=units, series_every=series_every, drive=drive
+                )
             session.fmus |= {name: packed.result() for name, packed in packing.items()}
         except OSError as error:
             if session:
@@ -142,6 +147,9 @@ class Session(TimeLoop):
         self._check()
 
     def step(self) -> None:
+        t, h = self.grid.step(self.steps)
+        self.recorder.values.time = t
+        self.driver.move(t, h, self.recorder.values)
         super().step()
         if self.steps % max(1, min(self.grid.steps // CHECKS, CHECK_EVERY)) == 0 or self.steps == self.grid.steps:
             self._check()

@@ -85,6 +85,7 @@ class Unit:
         self._folder: str | None = None
         self._step: tuple[float, float] | None = None  # The last step: its time and its length, s
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
+        self.kept: list[ctypes.c_void_p] = []  # Those of `keep`
         _messages[name].clear()
         self.description = read_description(path)
         self.version = version_of(self.description)
@@ -141,22 +142,28 @@ class Unit:
 
         The array `outputs` holds the chosen outputs (`exchanged`), the `watched` outputs, and the scalar outputs, which
         every step fetches only if `all_in_step`. `integers` holds the scalar Integer outputs, `slices` the place of
-        each output.
+        each output, `input_slices` that of each input.
         """
         scalars = self.scalars("Real")
         front = [*outputs, *watched]
         self.inputs, self._set_arguments = self._buffer(inputs, ctypes.c_double)
+        self.input_slices = self._slices(inputs)
         self.outputs, self._get_arguments = self._buffer([*front, *scalars], ctypes.c_double)
         part = self.outputs[: self.outputs.size - len(scalars)]
         self._get_part_arguments = self._arguments(front, part)
-        self.all_in_step = True
+        self.all_in_step, self.stale = True, False
+        self._fetching: dict[str, tuple[Any, ...]] = {}  # Arguments of the call for one scalar
         self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
-        names = [*front, *scalars]
-        ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
-        places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
-        self.slices = dict(reversed(places))  # The first place of a name that is there twice: every step fetches it
+        self.slices = self._slices([*front, *scalars])
         exchanged = sum(self.variables[name].size for name in outputs)
         self.exchanged, self.reals = self.outputs[:exchanged], self.outputs[self.outputs.size - len(scalars) :]
+
+    def _slices(self, names: list[str]) -> dict[str, slice]:
+        """Return the place of each of `names` in a buffer; of one that is there twice the first, which every step
+        fetches."""
+        ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
+        places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
+        return dict(reversed(places))
 
     def scalars(self, kind: str) -> list[str]:
         """Return the names of the scalar outputs of FMI type `kind`."""
@@ -185,8 +192,18 @@ class Unit:
         """Fetch the exchanged and watched `outputs` only: a scalar may cost as much as half a step."""
         self._check(self._get_reals(*self._get_part_arguments), "gave no outputs")
 
+    def fetch(self, name: str) -> None:
+        """Fetch one scalar output into its place, of an Integer all."""
+        if name not in self._fetching:
+            if self.variables[name].kind != "Real":
+                return self.get()
+            place = self.scalars("Real").index(name)
+            self._fetching[name] = self._arguments([name], self.reals[place : place + 1])
+        return self._check(self._get_reals(*self._fetching[name]), "gave no outputs")
+
     def get(self) -> None:
         """Fetch all `outputs` and `integers`."""
+        self.stale = False
         status = self._get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
             status = self._get_integers(*self._get_integer_arguments)
@@ -215,6 +232,7 @@ class Unit:
             self.get()
         else:
             self.get_exchanged()
+            self.stale = True
         self.check_outputs(t + h)
 
     def check_outputs(self, t: float) -> None:
@@ -238,9 +256,16 @@ class Unit:
         """Save the state of the unit, in place of the saved one."""
         self._timed(self._get_state, self.fmu.component, ctypes.byref(self.state))
 
-    def restore(self) -> None:
-        """Restore the saved state."""
-        self._timed(self.fmu.setFMUState, self.state)
+    def keep(self) -> ctypes.c_void_p:
+        """Return the state of the unit, kept until it is closed."""
+        kept = ctypes.c_void_p()
+        self._timed(self._get_state, self.fmu.component, ctypes.byref(kept))
+        self.kept.append(kept)
+        return kept
+
+    def restore(self, state: ctypes.c_void_p | None = None) -> None:
+        """Restore the saved state, or one that is kept."""
+        self._timed(self.fmu.setFMUState, state or self.state)
 
     def serialize(self) -> bytes:
         """Return the state of the unit as bytes, and save it."""
@@ -300,8 +325,9 @@ class Unit:
         """Free the instance, unload the library and remove the unpacked files."""
         if self.fmu is not None and self.fmu.component is not None:
             with suppress(Exception):  # a unit that refuses this has nothing left to say
-                if self.state:
-                    self.fmu.freeFMUState(self.state)
+                for state in (self.state, *self.kept):
+                    if state:
+                        self.fmu.freeFMUState(state)
             self.fmu.freeInstance()
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)

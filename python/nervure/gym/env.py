@@ -1,0 +1,287 @@
+"""A scene as an environment of gymnasium, to train controllers that act on what a scene leaves to the master."""
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+
+from nervure.coupling import CouplingError, stand_still
+from nervure.errors import InputError, UnitError
+from nervure.files import write_whole
+from nervure.scene import Scene, with_files
+from nervure.simulation.session import Session
+
+Values = Mapping[str, float]
+Reward = Callable[[Values, np.ndarray], float]
+
+
+@dataclass(frozen=True)
+class Action:
+    """A driven input by name, and the range of its targets, in its unit.
+
+    The input y follows the target z as a critically damped servo with the time `lag`, s:
+
+        lag² y'' + 2 lag y' + y = z
+    """
+
+    name: str
+    low: float
+    high: float
+    lag: float
+
+
+class Servos:
+    """The servos of the actions of a session, which stand at its inputs, and their way over `times`, s from now. Raise
+    `InputError` for an impossible one."""
+
+    def __init__(self, actions: Sequence[Action], session: Session, times: np.ndarray):
+        driver = session.driver
+        for own in actions:
+            if own.name not in driver.rates:
+                known = ", ".join(driver.rates) or "nothing"
+                raise InputError(f"there is an action {own.name!r}, but the scene leaves open {known}")
+            if not (own.low < own.high and math.isfinite(own.low) and math.isfinite(own.high) and own.lag > 0):
+                raise InputError(
+                    f"the action {own.name} has the range {own.low:g} to {own.high:g} and the lag {own.lag:g} s, but "
+                    "the range must be finite and not empty, and the lag above 0"
+                )
+        # Places from the target, then speeds, over time: by the first distance, and by the first speed.
+        t, omega = times[:, None], np.array([1 / own.lag for own in actions])
+        decay = np.exp(-omega * t)
+        self._by_place = np.hstack([(1 + omega * t) * decay, -omega * omega * t * decay])
+        self._by_speed = np.hstack([t * decay, (1 - omega * t) * decay])
+        self._twice = [*range(len(actions))] * 2
+        self.places = np.array([driver[own.name] for own in actions])
+        self.speeds = np.zeros(len(actions))
+        columns = [(own.name, i) for i, own in enumerate(actions)]
+        columns += [(rate, len(actions) + i) for i, own in enumerate(actions) if (rate := driver.rates[own.name])]
+        by_unit: dict[int, tuple[np.ndarray, list[int], list[int]]] = {}
+        for name, column in columns:
+            inputs, place = driver.places[name]
+            _, places, chosen = by_unit.setdefault(id(inputs), (inputs, [], []))
+            places.append(place)
+            chosen.append(column)
+        self._written = [(inputs, np.array(places), chosen) for inputs, places, chosen in by_unit.values()]
+
+    def plan(self, targets: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Go towards `targets`; return for each unit its inputs, places in them, and the values at the times, `[times,
+        places]`."""
+        both = self._by_place * (self.places - targets)[self._twice] + self._by_speed * self.speeds[self._twice]
+        both[:, : targets.size] += targets
+        self.places, self.speeds = both[-1, : targets.size], both[-1, targets.size :]
+        return [(inputs, places, both[:, chosen]) for inputs, places, chosen in self._written]
+
+
+class Start:
+    """The present state of a session and of its units, to which it returns without a step."""
+
+    def __init__(self, session: Session, servos: Servos):
+        self.session, self.servos, self.steps, self.time = session, servos, session.steps, session.time
+        for unit in session.units.values():
+            unit.get()
+        self.handles = [unit.keep() for unit in session.units.values()]
+        self.exchanged = [(own, own.copy()) for _, own in _exchanged(session)]
+        self.memory = {name: array.copy() for name, array in session.scheme.memory().items()}
+        self.places, self.speeds = servos.places, servos.speeds
+
+    def restore(self) -> None:
+        """Return to the state."""
+        session = self.session
+        for unit, handle in zip(session.units.values(), self.handles, strict=True):
+            unit.restore(handle)
+            unit.stale = False
+        for own, kept in self.exchanged:
+            own[:] = kept
+        session.scheme.remember(self.memory)
+        self.servos.places, self.servos.speeds = self.places, self.speeds
+        session.steps, session.time = self.steps, self.time
+
+    def write(self, path: Path) -> None:
+        """Write the state, which is the present one, into a file."""
+        arrays = {f"scheme_{name}": array for name, array in self.memory.items()} | dict(_exchanged(self.session))
+        for name, unit in self.session.units.items():
+            arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
+
+        def writer(unfinished: Path) -> None:
+            with open(unfinished, "wb") as file:
+                np.savez(file, allow_pickle=False, **arrays)
+
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, writer)
+
+
+def _exchanged(session: Session) -> list[tuple[str, np.ndarray]]:
+    """Return the buffers of the units, by name."""
+    parts = ("inputs", "outputs", "integers")
+    return [(f"{name}_{part}", getattr(unit, part)) for name, unit in session.units.items() for part in parts]
+
+
+def _read(session: Session, path: Path) -> bool:
+    """Put a started session into the state in a file; return False where it holds none of these units."""
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as kept:
+            arrays = dict(kept)
+        for name, unit in session.units.items():
+            unit.deserialize(arrays[f"{name}_state"].tobytes())
+        for name, own in _exchanged(session):
+            own[:] = arrays[name]
+    except (OSError, ValueError, KeyError, UnitError, BadZipFile):
+        return False
+    memory = [(name, array) for name, array in arrays.items() if name.startswith("scheme_")]
+    session.scheme.remember({name.removeprefix("scheme_"): array for name, array in memory})
+    return True
+
+
+class Env(gymnasium.Env[np.ndarray, np.ndarray]):
+    """An environment of `scene`: each step sets the targets of `actions` and makes `steps` communication steps.
+
+    An observation has the columns of the series, and driven inputs as `root.y`, that are the keys of `observed`, each
+    by its scale there. `reward(values, action)` sees all of them at the end of the step. An episode begins at one of
+    the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still. It ends
+    where `ends(values)` is true, or with the reward `failed` where a unit fails. The folder `cache` keeps the states of
+    the starts for other processes.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - as in its base
+
+    def __init__(
+        self,
+        scene: Scene,
+        actions: Sequence[Action],
+        observed: Mapping[str, float],
+        reward: Reward,
+        *,
+        steps: int = 10,
+        starts: Sequence[float] = (0.0,),
+        ends: Callable[[Values], bool] = lambda _values: False,
+        failed: float = 0.0,
+        cache: str | Path | None = None,
+        render_mode: str | None = None,
+    ):
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise InputError(f"render_mode is {render_mode!r}, but must be None or rgb_array")
+        if not (isinstance(steps, int) and steps >= 1):
+            raise InputError(f"steps is {steps!r}, but must be a whole number of at least 1")
+        for name, scale in observed.items():
+            if scale == 0 or not math.isfinite(scale):
+                raise InputError(f"{name} has the scale {scale!r}, but must have a finite one other than 0")
+        for time in starts:
+            if not (math.isfinite(time) and time >= 0):
+                raise InputError(f"a start is at {time!r} s, but must be at a finite time of at least 0")
+        if not starts:
+            raise InputError("there are no starts, but an episode needs one")
+        self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, steps, ends
+        self.failed, self.render_mode = failed, render_mode
+        self.session = Session(with_files(scene), drive=stand_still)  # Servos set its inputs
+        try:
+            times = self.session.grid.communication_step * np.arange(1, steps + 1)
+            self.servos = Servos(self.actions, self.session, times)
+            self.starts = self._make_starts(starts, None if cache is None else Path(cache))
+            self.values = self.session.recorder.values
+            self.observed = [(name, 1 / scale) for name, scale in observed.items()]
+            self._observe()
+        except BaseException:
+            self.session.close()
+            raise
+        self.low, self.high = (np.array([getattr(own, end) for own in self.actions]) for end in ("low", "high"))
+        self.action_space = Box(self.low, self.high, dtype=np.float64)
+        self.observation_space = Box(-np.inf, np.inf, (len(self.observed),), np.float64)
+
+    def _make_starts(self, times: Sequence[float], cache: Path | None) -> list[Start]:
+        """Step to each of `times`, s, or read the state from the folder `cache`, and keep it."""
+        session, found = self.session, {}
+        guids = " ".join(unit.description.guid for unit in session.units.values())
+        units = hashlib.blake2b(guids.encode(), digest_size=16).hexdigest()
+        session.start()
+        for unit in session.units.values():
+            unit.all_in_step = False
+        for time in sorted(times):
+            steps = round(time / session.grid.communication_step)
+            path = cache and cache / f"{units}-{steps}.npz"
+            before = Start(session, self.servos)
+            if read := path is not None and _read(session, path):
+                session.steps, session.time = steps, steps * session.grid.communication_step
+            else:
+                before.restore()
+                self._advance(steps - session.steps, [])
+            found[time] = Start(session, self.servos)
+            if path and not read:
+                found[time].write(path)
+        return [found[time] for time in times]
+
+    def _advance(self, steps: int, plan: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
+        """Make communication steps by a plan of the servos."""
+        session, h = self.session, self.session.grid.communication_step
+        scheme = session.scheme
+        for k in range(steps):
+            for inputs, places, values in plan:
+                inputs[places] = values[k]
+            t = session.steps * h
+            scheme.step(t, h)
+            for guard in scheme.guards:
+                guard.check(t + h, h)
+            session.steps, session.time = session.steps + 1, t + h
+        session.recorder.values.time = session.time
+
+    def _observe(self) -> np.ndarray:
+        values = self.values
+        try:
+            return np.array([values[name] * factor for name, factor in self.observed])
+        except KeyError as error:
+            raise InputError(error.args[0]) from None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Return to a start; `options["start"]` is its number."""
+        super().reset(seed=seed)
+        number = (options or {}).get("start")
+        if number is None:
+            number = int(self.np_random.integers(len(self.starts)))
+        elif number not in range(len(self.starts)):
+            raise InputError(f"the option start is {number!r}, but must be from 0 to {len(self.starts) - 1}")
+        self.starts[int(number)].restore()
+        self.values.time = self.session.time
+        self._last = self._observe()
+        return self._last, {"time": self.session.time, "start": number}
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Follow the targets `action`, clipped to their ranges, for `steps` communication steps."""
+        targets = np.asarray(action, float)
+        if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
+            raise InputError(f"the action is {action!r}, but must be {len(self.actions)} finite numbers")
+        targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
+        try:
+            self._advance(self.steps, self.servos.plan(targets))
+            self._last = self._observe()
+        except (UnitError, CouplingError) as failure:
+            return self._last, self.failed, True, False, {"time": self.session.time, "error": str(failure)}
+        reward, ended = float(self.reward(self.values, targets)), bool(self.ends(self.values))
+        return self._last, reward, ended, False, {"time": self.session.time}
+
+    def render(self) -> np.ndarray | None:
+        """Return the picture of the flow as it is now, `[height, width, 3]`, in the mode rgb_array."""
+        if self.render_mode is None:
+            gymnasium.logger.warn("the environment has no render_mode, which may be rgb_array")
+            return None
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        from nervure.output import plots
+
+        figure = plots.vorticity(self.session)
+        if figure is None:
+            raise InputError("there is no picture, as the scene has no fluid that shows its vorticity")
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+    def close(self) -> None:
+        """Free the units."""
+        self.session.close()

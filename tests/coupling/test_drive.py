@@ -1,0 +1,198 @@
+"""A drive sets, step by step, what a scene leaves to the master."""
+
+import math
+import runpy
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.coupling import CouplingError, Driver
+from nervure.errors import InputError
+from nervure.resources import ROOT
+from nervure.scene import load, validate
+from nervure.simulation import checkpoint
+from nervure.simulation.session import Session
+from tests import conftest
+from tests.coupling.test_master import Fake
+
+EXAMPLES = ROOT / "examples"
+PLATE = EXAMPLES / "steered-plate.json"
+MOTION = {"sine": {"amplitude": 0.1, "frequency": 1.0, "ramp": 1.0}}
+
+
+def heave(t, _values):
+    """Return `MOTION` along y and its rate."""
+    omega, part = 2 * math.pi, math.pi * min(t, 1.0)
+    share, growth = (1 - math.cos(part)) / 2, math.pi * math.sin(part) / 2
+    rate = share * omega * math.cos(omega * t) + growth * math.sin(omega * t)
+    return {"root.y": 0.1 * share * math.sin(omega * t), "root.vy": 0.1 * rate}
+
+
+def plate(end=1.0, **changes):
+    return load(PLATE).copy({"time.end": end, **changes})
+
+
+def tips(scene, drive=None):
+    with Session(scene, drive=drive) as session:
+        assert session.run().error is None, session.error
+        return session.recorder.series["tip_uy"]
+
+
+@pytest.mark.parametrize("given", [("root.y", "root.vy"), ("root.y",), ("root.vy",)])
+def test_a_drive_moves_a_root_as_the_same_law_does_by_place_or_rate(given, libraries):
+    by_law = tips(plate(**{"rod.root_motion": {"laws": {"y": MOTION}}}))
+    found = tips(plate(), lambda t, _: {name: heave(t, _)[name] for name in given})
+    apart = np.abs(found - by_law).max() / np.abs(by_law).max()
+    assert apart < (1e-12 if len(given) == 2 else 0.004), f"{apart:.2e} of the largest displacement"
+
+
+@pytest.fixture
+def driver():
+    """Function that makes the driver of a unit with a root, of which it returns values after some steps."""
+
+    def made(drive, steps):
+        rod = Fake("rod", ["root.y", "root.vy", "root.angle", "root.omega"], [])
+        rod.connect(list(rod.variables), [])
+        own, t = Driver({"rod": rod}, drive), 0.0
+        for h in steps:
+            own.move(t, h, {"time": t})
+            t += h
+        return own
+
+    return made
+
+
+def test_the_rate_of_a_place_is_exact_for_a_parabola_after_the_first_step(driver):
+    own = driver(lambda t, _: {"root.y": 3 * t * t}, [0.1, 0.1, 0.04])
+    assert own["root.vy"] == pytest.approx(6 * 0.24, rel=1e-12)
+
+
+def test_the_place_of_a_rate_is_exact_for_a_linear_rate(driver):
+    own = driver(lambda t, _: {"root.vy": 3 * t}, [0.1, 0.1, 0.04])
+    assert own["root.y"] == pytest.approx(1.5 * 0.24**2, rel=1e-12)
+
+
+def test_what_a_drive_leaves_out_stands_still_where_it_is(driver):
+    own = driver(lambda t, _: {"root.y": t, "root.vy": 1.0} if t < 0.25 else {}, [0.1, 0.1, 0.1])
+    assert (own["root.y"], own["root.vy"], own["root.angle"]) == (pytest.approx(0.2), 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"root.z": 0.1}, "sets 'root.z' for t = 0.1 s, but the scene leaves it root.y, root.vy, root.angle"),
+        ({"root.y": math.nan}, "sets root.y to nan for t = 0.1 s, but must set a finite number, in m"),
+        ({"root.y": "up"}, "sets root.y to 'up' for t = 0.1 s, but must set a finite number"),
+        ({"root.y": [0.1, 0.2]}, "sets root.y to .* but must set a finite number"),
+        ([0.1], "returned .* for t = 0.1 s, but must return a dictionary"),
+        (None, "returned None for t = 0.1 s"),
+    ],
+)
+def test_what_a_drive_must_not_give_is_named_with_its_time(driver, given, words):
+    with pytest.raises(CouplingError, match=words):
+        driver(lambda _t, _values: given, [0.1])
+
+
+def test_an_exception_in_a_drive_ends_the_run_with_its_place_and_time(libraries, tmp_path):
+    def drive(t, values):
+        return {"root.y": 0.0 if t < 0.025 else values["tip_uz"]}
+
+    with pytest.raises(nervure.RunError, match=r"for t = 0.03 s: KeyError: .*did you mean.*test_drive.py") as failed:
+        nervure.run(plate(), tmp_path / "run", drive=drive, quiet=True)
+    assert failed.value.run.summary.steps == 2
+
+
+def test_a_drive_sees_the_last_row_of_the_series_also_where_it_is_not_recorded(libraries):
+    def seen(**options):
+        rows = []
+
+        def drive(t, values):
+            rows.append([t, values["time"], values["tip_uy"], values["lift"]])
+            return heave(t, values)
+
+        with Session(plate(0.1), drive=drive, **options) as session:
+            session.run()
+        return np.array(rows), session.recorder.series
+
+    every, series = seen()
+    some, _ = seen(series_every=0.05)
+    assert (every == some).all()
+    assert every[:, 0] == pytest.approx(series["time"][1:]) and every[:, 1] == pytest.approx(series["time"][:-1])
+    assert (every[:, 2:] == np.stack([series[name] for name in ("tip_uy", "lift")], axis=1)[:-1]).all()
+
+
+def pid():
+    return runpy.run_path(str(EXAMPLES / "drive_pid.py"))["Pid"]()
+
+
+def policy():
+    return runpy.run_path(str(EXAMPLES / "drive_policy.py"))["drive"]
+
+
+@pytest.mark.parametrize("make", [pid, policy])
+def test_a_driven_run_goes_on_from_its_checkpoint_with_the_memory_of_its_drive(libraries, tmp_path, make):
+    with Session(plate(0.2), drive=make()) as whole:
+        whole.run()
+    with Session(plate(0.2), tmp_path, drive=make()) as part:
+        part.start()
+        for _ in range(12):
+            part.step()
+        checkpoint.Checkpoint(part, dict.fromkeys(checkpoint.OPTIONS)).save()
+    with Session(plate(0.2), drive=make()) as rest:
+        checkpoint.restore(rest, checkpoint.read(tmp_path))
+        rest.run()
+    assert (rest.recorder.table[: rest.recorder.rows] == whole.recorder.table).all()
+
+
+def test_a_state_that_no_checkpoint_holds_is_refused_before_the_run(driver):
+    class Odd:
+        def __call__(self, _t, _values):
+            return {}
+
+        def state(self):
+            return {1, 2}
+
+    with pytest.raises(InputError, match="has only one of `state` and `restore`"):
+        driver(Odd(), [])
+    Odd.restore = lambda _self, _state: None
+    with pytest.raises(InputError, match="must hold numbers, texts, lists and dictionaries only"):
+        driver(Odd(), [])
+
+
+def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_only):
+    with pytest.raises(InputError, match='leaves nothing to it: rod.root_motion or .* must be "master"'):
+        Session(validate(rod_only), drive=heave)
+
+
+def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
+    done = conftest.nervure("inspect", PLATE)
+    assert done.returncode == 0 and "wall time" in done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("name", ["pid", "table", "policy"])
+def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name):
+    file = EXAMPLES / f"drive_{name}.py"
+    done = conftest.nervure("run", PLATE, "--drive", file, "--set", "time.end=0.5", "--output", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    assert f"nervure run examples/steered-plate.json --drive examples/drive_{name}.py" in file.read_text("utf-8")
+    assert abs(nervure.read(tmp_path / "run").series["tip_uy"][-1]) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (None, "does not exist, but must be a Python file"),
+        ("def law(t, values):\n    return {}\n", "has no function `drive(time, values)`, but law"),
+        ("drive = 1.0\n", "but no function"),
+        ("def drive(t, values)\n", "cannot be used: SyntaxError"),
+        ("import csv\nopen('absent.csv')\n", "cannot be used: FileNotFoundError"),
+    ],
+)
+def test_a_file_that_is_no_drive_is_refused_with_the_reason(tmp_path, content, words):
+    file = tmp_path / "own.py"
+    if content is not None:
+        file.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError) as refused:
+        nervure.coupling.read_drive(file)
+    assert words in str(refused.value)

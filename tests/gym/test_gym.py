@@ -1,0 +1,216 @@
+"""Scenes as environments of gymnasium."""
+
+import runpy
+import time
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+
+from nervure import gym  # noqa: E402
+from nervure.errors import InputError  # noqa: E402
+from nervure.resources import ROOT  # noqa: E402
+from nervure.scene import load  # noqa: E402
+from nervure.simulation.session import Session  # noqa: E402
+
+PLATE = ROOT / "examples" / "steered-plate.json"
+TURN = gym.Action("root.angle", -0.3, 0.3, lag=0.05)
+pytestmark = [
+    pytest.mark.usefixtures("libraries"),
+    pytest.mark.filterwarnings("ignore:.*(Box observation space|render modes)"),  # Without bounds; without a name
+]
+
+
+def plate(**options):
+    given = {"starts": (0.0, 0.1), **options}
+    return gym.Env(load(PLATE), [TURN], {"tip_uy": 0.1, "root.angle": 0.3}, lambda v, _: v["lift"], **given)
+
+
+@pytest.fixture
+def env():
+    with plate(render_mode="rgb_array") as made:
+        yield made
+
+
+def episode(env, seed, steps=5):
+    seen, _ = env.reset(seed=seed)
+    env.action_space.seed(seed)
+    rows = [seen]
+    for _ in range(steps):
+        seen, reward, *_ = env.step(env.action_space.sample())
+        rows.append([*seen, reward])
+    return np.concatenate(rows)
+
+
+def test_the_check_of_gymnasium_passes(env):
+    check_env(env)
+
+
+def test_the_same_seed_gives_the_same_bits_also_after_other_episodes_and_in_another_environment(env):
+    first = episode(env, 1)
+    assert not np.array_equal(first, episode(env, 2))
+    again = episode(env, 1)
+    with plate() as other:
+        assert np.array_equal(first, again) and np.array_equal(first, episode(other, 1))
+
+
+def servo(t, target=0.2, lag=0.05):
+    """Return place and speed of a critically damped servo that leaves 0 at t = 0."""
+    return target * (1 - (1 + t / lag) * np.exp(-t / lag)), target * t / lag**2 * np.exp(-t / lag)
+
+
+def test_an_environment_makes_the_steps_of_a_run_that_is_driven_as_its_servos_are(env):
+    env.reset(options={"start": 0})
+    env.step(np.array([0.2]))
+    with Session(load(PLATE), drive=lambda t, _: dict(zip(("root.angle", "root.omega"), servo(t)))) as session:
+        session.start()
+        for _ in range(10):
+            session.step()
+        names = "tip_uy", "lift", "root.angle", "root.omega"
+        expected = [session.recorder.values[name] for name in names]
+    assert [env.values[name] for name in names] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_servo_goes_on_from_action_to_action(env):
+    env.reset(options={"start": 0})
+    for number in range(1, 4):
+        env.step(np.array([0.2]))
+        found = env.values["root.angle"], env.values["root.omega"]
+        assert found == pytest.approx(servo(0.1 * number), rel=1e-12)
+
+
+def test_a_reset_goes_to_a_start_in_less_than_a_millisecond(env):
+    env.reset(seed=0)
+    begin = time.process_time()
+    for _ in range(50):
+        env.reset()
+    spent = (time.process_time() - begin) / 50
+    assert spent < 1e-3, f"{1e3 * spent:.2f} ms"
+    assert env.reset(options={"start": 1})[1] == {"time": pytest.approx(0.1), "start": 1}
+
+
+def test_a_cache_keeps_the_starts_and_a_damaged_one_is_made_again(tmp_path, monkeypatch):
+    advance, made = gym.Env._advance, []
+    monkeypatch.setattr(gym.Env, "_advance", lambda env, steps, plan: made.append(steps) or advance(env, steps, plan))
+    with plate() as first:
+        expected = episode(first, 1)
+    for damage, steps in ((None, [0, 10]), (0, []), (100, [10])):
+        if damage:
+            (*_, last) = sorted(tmp_path.iterdir())
+            last.write_bytes(last.read_bytes()[:-damage])
+        made.clear()
+        with plate(cache=tmp_path) as again:
+            assert made == steps
+            assert np.array_equal(episode(again, 1), expected)
+
+
+def test_a_picture_is_that_of_the_flow(env):
+    env.reset(seed=0)
+    first = env.render()
+    env.step(np.array([0.3]))
+    assert first.dtype == np.uint8 and first.shape[2] == 3 and min(first.shape[:2]) > 200
+    assert not np.array_equal(first, env.render())
+
+
+def test_a_unit_that_fails_ends_the_episode_and_the_next_one_begins(env):
+    wild = gym.Action("root.angle", -1e6, 1e6, lag=1e-3)
+    with gym.Env(load(PLATE), [wild], {"tip_uy": 1.0}, lambda _v, _a: 1.0, failed=-5.0) as failing:
+        seen, _ = failing.reset(seed=0)
+        after, reward, ended, truncated, info = failing.step(np.array([1e6]))
+        assert (reward, ended, truncated) == (-5.0, True, False) and "rod: " in info["error"]
+        assert np.array_equal(seen, after)
+        failing.reset()
+        assert failing.step(np.array([0.0]))[1:3] == (1.0, False)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        (
+            {"actions": [gym.Action("root.z", 0, 1, 1)]},
+            "an action 'root.z', but the scene leaves open root.x, root.y",
+        ),
+        ({"actions": [gym.Action("root.y", 1, 1, 1)]}, "root.y has the range 1 to 1 .* must be finite and not empty"),
+        ({"actions": [gym.Action("root.y", 0, 1, 0)]}, "the lag 0 s, but .* the lag above 0"),
+        ({"observed": {"tip_uz": 1.0}}, "there is no column `tip_uz`: did you mean tip_uy"),
+        ({"observed": {"tip_uy": 0.0}}, "tip_uy has the scale 0.0, but must have a finite one other than 0"),
+        ({"starts": ()}, "there are no starts"),
+        ({"starts": (0.0, -1.0)}, "a start is at -1.0 s, but must be at a finite time of at least 0"),
+        ({"steps": 0}, "steps is 0, but must be a whole number of at least 1"),
+        ({"render_mode": "human"}, "render_mode is 'human', but must be None or rgb_array"),
+    ],
+)
+def test_what_cannot_be_an_environment_is_refused_with_name_and_value(changed, words):
+    given = {"actions": [TURN], "observed": {"tip_uy": 1.0}, "reward": lambda _v, _a: 0.0} | changed
+    with pytest.raises(InputError, match=words):
+        gym.Env(load(PLATE), **given)
+
+
+def test_an_action_or_a_start_that_is_none_is_refused(env):
+    env.reset(seed=0)
+    for action in ([np.nan], [0.1, 0.2]):
+        with pytest.raises(InputError, match="must be 1 finite numbers"):
+            env.step(np.array(action))
+    with pytest.raises(InputError, match="the option start is 2, but must be from 0 to 1"):
+        env.reset(options={"start": 2})
+
+
+def test_environments_run_in_processes_of_their_own():
+    several = gymnasium.vector.AsyncVectorEnv([plate, plate])
+    try:
+        seen, _ = several.reset(seed=[1, 2])
+        after, *_ = several.step(np.array([[0.1], [-0.1]]))
+    finally:
+        several.close()
+    assert seen.shape == after.shape == (2, 2) and after[0, 1] == -after[1, 1] != 0
+
+
+def test_a_policy_acts_in_a_run_as_it_does_in_its_environment():
+    policy = runpy.run_path(str(ROOT / "examples" / "drive_policy.py"))["drive"]
+    with Session(load(PLATE), drive=policy) as session:
+        session.start()
+        for _ in range(30):
+            session.step()
+        expected = session.recorder.values["tip_uy"], session.recorder.values["root.angle"]
+    actions = [gym.Action(own["name"], own["low"], own["high"], own["lag"]) for own in policy.actions]
+    seen = dict(zip(policy.names, policy.scales))
+    with gym.Env(load(PLATE), actions, seen, lambda _v, _a: 0.0) as own:
+        found, _ = own.reset()
+        for _ in range(3):
+            found, *_ = own.step(policy.choose(found))
+        assert (own.values["tip_uy"], own.values["root.angle"]) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", gym.BASELINES)
+def test_a_task_is_registered_and_its_classical_controller_acts_in_its_range(name):
+    env = gymnasium.make(name)
+    seen, info = env.reset(seed=0)
+    action = gym.BASELINES[name](seen, 0.3)
+    assert env.action_space.contains(np.clip(action, env.action_space.low, env.action_space.high))
+    assert np.isfinite(env.step(action)[1])
+    env.close()
+
+
+def test_an_environment_step_costs_no_more_than_the_steps_of_a_run_that_is_driven_as_it_is():
+    """In processor time, the best of several rounds."""
+
+    def drive(t, values):
+        return dict(zip(("root.angle", "root.omega"), servo(t)))
+
+    with plate(starts=(0.0,)) as env, Session(load(PLATE), drive=drive) as session:
+        env.reset()
+        session.start()
+        both = []
+        for _ in range(6):
+            begin = time.process_time()
+            for _ in range(5):
+                env.step(np.array([0.2]))
+            middle = time.process_time()
+            for _ in range(50):
+                session.step()
+            both.append((middle - begin, time.process_time() - middle))
+    own, run = (min(times) for times in zip(*both))
+    assert own < 1.05 * run, f"{1e3 * own:.2f} ms against {1e3 * run:.2f} ms"
