@@ -38,7 +38,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 6;
+    const STATE_LAYOUT: u32 = 7;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {

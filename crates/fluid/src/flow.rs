@@ -30,14 +30,19 @@ where
 }
 
 impl<R: Real, const D: usize> Flow<R, D> {
-    fn fields(&self) -> impl Iterator<Item = &Field<R>> {
+    /// Return the fields: velocity, then vorticity.
+    pub fn fields(&self) -> impl Iterator<Item = &Field<R>> {
         self.velocity.iter().chain(&self.vorticity)
+    }
+
+    /// Return the fields, to be changed.
+    pub fn fields_mut(&mut self) -> impl Iterator<Item = &mut Field<R>> {
+        self.velocity.iter_mut().chain(&mut self.vorticity)
     }
 
     /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
-        let own = self.velocity.iter_mut().chain(&mut self.vorticity);
-        own.zip(other.fields()).for_each(|(own, other)| own.copy_from_slice(other));
+        self.fields_mut().zip(other.fields()).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has the same size.

@@ -128,7 +128,7 @@ where
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
         let mut fluid = Self {
-            solver: <[f64; D]>::new_solver(parameters),
+            solver: <[f64; D]>::new_solver(parameters, &problem),
             grid: parameters.grid(),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
@@ -195,6 +195,7 @@ where
     pub fn start_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
+        self.solver.place_grid(&self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
     }
 
@@ -242,7 +243,7 @@ where
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.problem.timer.start();
         self.limits.check(t, h)?;
-        let grid = &self.problem.grid;
+        let grid = &self.grid_of_bodies();
         self.limits.check_stations(&self.contours, &self.motion.target, grid)?;
         let carried = self.problem.bodies.carried().map(|(_, rigid)| rigid);
         self.limits.check_displacements(carried, &self.motion.displaced_to, grid)?;
@@ -370,7 +371,8 @@ where
         if let Some(part) = state.present.misfit(&self.present) {
             return Err(Error::State(part));
         }
-        self.limits.check_stations(&self.contours, &state.present.flexible.stations, &self.problem.grid)?;
+        let grid = self.problem.grid.moved(&self.solver.way_in(&state.fields));
+        self.limits.check_stations(&self.contours, &state.present.flexible.stations, &grid)?;
         self.solver.restore(&state.fields)?;
         self.present.copy_from(&state.present);
         Stations::copy_all(&mut self.motion.target, &self.present.flexible.stations);

@@ -67,7 +67,7 @@ where
         fine_box: fluid.fine_box.as_ref().map(|fine| {
             let places = fine.places(&fluid.r#box);
             let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
-            FineBox { first, cells, ratio: fine.ratio }
+            FineBox { first, cells, ratio: fine.ratio, follows: None }
         }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,

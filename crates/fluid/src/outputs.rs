@@ -19,9 +19,9 @@ where
         &self.grid
     }
 
-    /// Return the grid with the bodies: that of the fine box, or of the domain.
-    pub fn grid_of_bodies(&self) -> &Grid<D> {
-        &self.problem.grid
+    /// Return the grid with the bodies: that of the domain, or of the fine box where it is now.
+    pub fn grid_of_bodies(&self) -> Grid<D> {
+        self.problem.grid.moved(&self.solver.way())
     }
 
     /// Return the time, s.

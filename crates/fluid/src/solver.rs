@@ -29,6 +29,15 @@ where
     /// Start from the divergence-free part of a velocity.
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
+    /// Put the bodies' grid to where they are before the first step.
+    fn place_grid(&mut self, present: &Present<D>, problem: &Problem<D>);
+
+    /// Return the way that the bodies' grid has moved, m.
+    fn way(&self) -> [f64; D];
+
+    /// Return the same of fields that [`Self::check`] accepts.
+    fn way_in(&self, fields: &ByPrecision<D>) -> [f64; D];
+
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64>;
 
@@ -80,17 +89,17 @@ where
 
 /// A number of dimensions for which there are solvers.
 pub trait Solvable<const D: usize>: Space<D> {
-    /// Make the solver of the wanted scheme and precision; space has one scheme.
-    fn new_solver(parameters: &Parameters<D>) -> Box<dyn FluidSolver<D>>
+    /// Make the solver of the wanted scheme and precision for a problem at t = 0; space has one scheme.
+    fn new_solver(parameters: &Parameters<D>, problem: &Problem<D>) -> Box<dyn FluidSolver<D>>
     where
         [f64; D]: Space<D>;
 }
 
 impl Solvable<2> for [f64; 2] {
-    fn new_solver(parameters: &Parameters) -> Box<dyn FluidSolver<2>> {
+    fn new_solver(parameters: &Parameters, problem: &Problem<2>) -> Box<dyn FluidSolver<2>> {
         match (parameters.scheme, parameters.precision) {
-            (TimeScheme::Sbdf2, Precision::Double) => sbdf2::<f64, PlaneTransforms<f64>, 2>(parameters),
-            (TimeScheme::Sbdf2, Precision::Single) => sbdf2::<f32, PlaneTransforms<f32>, 2>(parameters),
+            (TimeScheme::Sbdf2, Precision::Double) => sbdf2::<f64, PlaneTransforms<f64>, 2>(parameters, problem),
+            (TimeScheme::Sbdf2, Precision::Single) => sbdf2::<f32, PlaneTransforms<f32>, 2>(parameters, problem),
             (TimeScheme::Rk2, Precision::Double) => rk2::<f64>(parameters),
             (TimeScheme::Rk2, Precision::Single) => rk2::<f32>(parameters),
         }
@@ -98,10 +107,10 @@ impl Solvable<2> for [f64; 2] {
 }
 
 impl Solvable<3> for [f64; 3] {
-    fn new_solver(parameters: &Parameters<3>) -> Box<dyn FluidSolver<3>> {
+    fn new_solver(parameters: &Parameters<3>, problem: &Problem<3>) -> Box<dyn FluidSolver<3>> {
         match parameters.precision {
-            Precision::Double => sbdf2::<f64, VolumeTransforms<f64>, 3>(parameters),
-            Precision::Single => sbdf2::<f32, VolumeTransforms<f32>, 3>(parameters),
+            Precision::Double => sbdf2::<f64, VolumeTransforms<f64>, 3>(parameters, problem),
+            Precision::Single => sbdf2::<f32, VolumeTransforms<f32>, 3>(parameters, problem),
         }
     }
 }
@@ -115,6 +124,7 @@ where
 
 fn sbdf2<R: Stored, T: Transforms<R, D> + 'static, const D: usize>(
     parameters: &Parameters<D>,
+    problem: &Problem<D>,
 ) -> Box<dyn FluidSolver<D>>
 where
     [f64; D]: Space<D>,
@@ -122,7 +132,7 @@ where
     let points = parameters.grid_of_bodies().len();
     let flow = Flow::uniform(parameters.initial_velocity, points);
     if let Some(fine) = &parameters.fine_box {
-        let scheme = TwoGrids::<R, T, D>::new(parameters, fine);
+        let scheme = TwoGrids::<R, T, D>::new(parameters, fine, problem);
         return Box::new(Solver { flow, scheme, precision: PhantomData });
     }
     let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
@@ -149,6 +159,18 @@ where
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>) {
         present.step = 0.0;
         self.scheme.start(velocity, &mut self.flow, present, problem);
+    }
+
+    fn place_grid(&mut self, present: &Present<D>, problem: &Problem<D>) {
+        self.scheme.place_grid(&mut self.flow, present, problem);
+    }
+
+    fn way(&self) -> [f64; D] {
+        self.scheme.way(None)
+    }
+
+    fn way_in(&self, fields: &ByPrecision<D>) -> [f64; D] {
+        self.scheme.way(R::of(fields).ok().map(|fields| &fields.memory))
     }
 
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64> {

@@ -65,6 +65,14 @@ where
     /// Copy the memory from `memory`, which [`Self::fits`].
     fn restore(&mut self, memory: &Memory<R, D>);
 
+    /// Put the grid of the bodies to where they are before the first step.
+    fn place_grid(&mut self, _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+
+    /// Return the way that the grid of the bodies has moved, m, or that of another memory.
+    fn way(&self, _: Option<&Memory<R, D>>) -> [f64; D] {
+        [0.0; D]
+    }
+
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
     fn longest_step(&self, _: &Problem<D>) -> Option<f64> {
         None

@@ -1,9 +1,11 @@
 //! The coarse flow, and what the grids exchange.
 
+use std::ops::Range;
+
 use line_fft::Real;
 
 use super::patch::Patch;
-use super::transfer::{FilterRoom, Transfer};
+use super::transfer::{FilterRoom, Rows, Transfer};
 use crate::error::Error;
 use crate::filter::Damping;
 use crate::flow::Flow;
@@ -31,6 +33,25 @@ impl<const D: usize> Background<D> {
     pub fn component(&self, component: usize) -> &[f64] {
         &self.now[component * self.transfer.len()..][..self.transfer.len()]
     }
+
+    /// Call `visit` with some fine points along each axis and a component there.
+    pub fn for_each_of(
+        &self,
+        component: usize,
+        points: &[Range<usize>; D],
+        rows: &mut Rows,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        for plane in points[0].clone() {
+            self.transfer.interpolate(self.component(component), plane, rows, |row, values| {
+                if D == 2 || points[1].contains(&row) {
+                    let columns = &points[D - 1];
+                    let first = (plane * self.transfer.rows_of_plane() + row) * values.len();
+                    columns.clone().for_each(|column| visit(first + column, values[column]));
+                }
+            });
+        }
+    }
 }
 
 /// The coarse flow of the whole domain, at a time when the fine flow has not yet reached it.
@@ -49,6 +70,7 @@ where
     problem: Problem<D>,
     present: Present<D>,
     ratio: usize,
+    spacing: [f64; D],
     /// What was before the last step, for a fine step that fails.
     saved: CoarseState<R, D>,
     room: FilterRoom,
@@ -74,6 +96,7 @@ where
             length: 0.0,
             step: 0.0,
             advection_rate: 0.0,
+            moved: vec![0; D],
         };
         let Memory::Sbdf2(memory) = scheme.memory() else { unreachable!("it is this scheme") };
         let mut own = Self {
@@ -82,6 +105,7 @@ where
             problem: Problem::new(&parameters.without_bodies()),
             patch: Patch::new(&grid, fine.cells),
             ratio: fine.ratio,
+            spacing: grid.spacing,
             room: FilterRoom::default(),
             background: Background { transfer, now: vec![0.0; numbers] },
             link,
@@ -112,15 +136,50 @@ where
     /// Write the coefficients of the flow to the last end.
     fn write_end(&mut self) {
         let Self { background: Background { transfer, .. }, link, flow, scheme, patch, room, .. } = self;
-        let mut lists = link.ends[1].chunks_exact_mut(transfer.len());
-        let mut next = || lists.next().unwrap_or_default();
-        for field in flow.velocity.iter().chain(&flow.vorticity) {
-            transfer.write_coefficients(|point, _| field[point].to_f64(), room, next());
-        }
-        for axis in 0..D {
+        let (of_flow, of_g) = link.ends[1].split_at_mut(flow.fields().count() * transfer.len());
+        write_flow(transfer, flow, room, of_flow);
+        for (axis, list) in of_g.chunks_exact_mut(transfer.len()).enumerate() {
             let g = |point: usize, place: usize| scheme.g(flow, axis, point) - patch.gradient(axis, place);
-            transfer.write_coefficients(g, room, next());
+            transfer.write_coefficients(g, room, list);
         }
+    }
+
+    /// Return the coarse cells, and their part, by which a way (m) is longer than that which the box has moved along an
+    /// axis.
+    pub fn cells_left(&self, axis: usize, way: f64) -> f64 {
+        way / self.spacing[axis] - f64::from(self.link.moved[axis])
+    }
+
+    /// Return the way that the box has moved, m.
+    pub fn way(&self, link: &Link) -> [f64; D] {
+        std::array::from_fn(|axis| f64::from(link.moved[axis]) * self.spacing[axis])
+    }
+
+    /// Move the box to where it is after moves by so many coarse cells, before the first step.
+    pub fn place(&mut self, moved: &[i32]) {
+        self.link.moved.copy_from_slice(moved);
+        self.background.transfer.place(moved);
+        self.write_both_ends();
+    }
+
+    /// Move the box by a coarse cell along an axis, forwards or backwards, after a step.
+    pub fn shift(&mut self, axis: usize, forwards: bool) {
+        let Self { background: Background { transfer, .. }, link, .. } = self;
+        let Link { ends: [from, to], impulse, force, moved, .. } = link;
+        from.iter_mut().zip(to).for_each(|(from, to)| *from -= *to);
+        let lists = |all| <[f64]>::chunks_exact_mut(all, transfer.len());
+        lists(impulse).chain(lists(force)).for_each(|list| transfer.shift(list, axis, forwards, true));
+        lists(from).for_each(|list| transfer.shift(list, axis, forwards, false));
+        moved[axis] += if forwards { 1 } else { -1 };
+        transfer.place(moved);
+        self.take_force();
+        self.patch.solve();
+        self.write_end();
+        let Self { background: Background { transfer, .. }, link, scheme, room, .. } = self;
+        let ([from, to], before) = (&mut link.ends, &scheme.two_step().before);
+        let first = before.fields().count() * transfer.len();
+        from[first..].iter_mut().zip(&to[first..]).for_each(|(from, to)| *from += to);
+        write_flow(transfer, before, room, &mut from[..first]);
     }
 
     /// Return whether a fine step of `dt` (s) ends after the coarse flow.
@@ -171,6 +230,7 @@ where
 
     /// Go to a state that fits.
     pub fn restore(&mut self, state: &CoarseState<R, D>) {
+        self.background.transfer.place(&state.link.moved);
         self.flow.copy_from(&state.flow);
         self.scheme.two_step_mut().copy_from(&state.memory);
         self.link.copy_from(&state.link);
@@ -262,5 +322,17 @@ where
     pub fn static_pressure(&mut self) -> Vec<f64> {
         let Self { flow, scheme, problem, present, .. } = self;
         scheme.static_pressure(flow, present, problem)
+    }
+}
+
+/// Write the coefficients of velocity and vorticity.
+fn write_flow<R: Real, const D: usize>(
+    transfer: &Transfer<D>,
+    flow: &Flow<R, D>,
+    room: &mut FilterRoom,
+    coefficients: &mut [f64],
+) {
+    for (field, list) in flow.fields().zip(coefficients.chunks_exact_mut(transfer.len())) {
+        transfer.write_coefficients(|point, _| field[point].to_f64(), room, list);
     }
 }

@@ -3,6 +3,9 @@
 //! Interpolation I is a sum of cubic B-splines whose coefficients come from the values at the coarse points by a symmetric
 //! filter. Restriction S is the adjoint of the sum, over the number of fine cells in a coarse one: it keeps sums exactly,
 //! and smooths. Both are products over the axes.
+//!
+//! The fine points are periodic: a box that moves by a coarse cell leaves them in place, and the cells that it leaves
+//! behind become those that it newly covers.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -22,6 +25,10 @@ pub struct Transfer<const D: usize> {
     ratio: usize,
     /// Coarse cells across the fine box.
     cells: [usize; D],
+    /// Coarse point at the lower end of the fine box along each axis, before it has moved.
+    home: [usize; D],
+    /// Place among the fine points of the first coarse cell of the box along each axis, in coarse cells.
+    turned: [usize; D],
     /// Coarse points along each axis, in the first period, from [`REACH`] points before the first coefficient on.
     places: [Vec<usize>; D],
     /// Place on the patch of each of them, see [`Transfer::in_patch`].
@@ -49,21 +56,64 @@ pub struct FilterRoom([Vec<f64>; 2]);
 impl<const D: usize> Transfer<D> {
     /// The transfer between a coarse grid and a fine box in it.
     pub fn new(coarse: &Grid<D>, fine: &FineBox<D>) -> Self {
-        let place = |axis: usize, i: usize| coarse.wrap(axis, (fine.first[axis] + i) as i64 - (1 + REACH) as i64);
-        let length = |axis: usize| fine.cells[axis] + MARGIN + 2 * REACH;
         let mut own = Self {
             ratio: fine.ratio,
             cells: fine.cells,
-            places: from_fn(|axis| (0..length(axis)).map(|i| place(axis, i)).collect()),
+            home: fine.first,
+            turned: [0; D],
+            places: from_fn(|axis| vec![0; fine.cells[axis] + MARGIN + 2 * REACH]),
             coarse: coarse.cells,
             weights: (0..fine.ratio).map(|p| cubic(p as f64 / fine.ratio as f64)).collect(),
             filter: low_pass(),
             on_patch: vec![],
         };
+        own.place(&[0; D]);
         let mut on_patch = vec![];
         own.for_each_place(0, 0, &mut |point| on_patch.push(own.in_patch(point) as u32));
         own.on_patch = on_patch;
         own
+    }
+
+    /// Put the fine box to where it is after moves by so many coarse cells along each axis.
+    pub fn place(&mut self, moved: &[i32]) {
+        for (axis, moved) in moved.iter().map(|moved| i64::from(*moved)).enumerate() {
+            self.turned[axis] = moved.rem_euclid(self.cells[axis] as i64) as usize;
+            let first = self.home[axis] as i64 + moved - (1 + REACH) as i64;
+            let place = |i: usize| (first + i as i64).rem_euclid(self.coarse[axis] as i64) as usize;
+            self.places[axis].iter_mut().enumerate().for_each(|(i, own)| *own = place(i));
+        }
+    }
+
+    /// Move the coefficients of a field with the box by a coarse cell along an axis, forwards or backwards. Those of the
+    /// cells that it newly covers are 0; those that it leaves are lost, or with `keeps` added to the nearest ones.
+    pub fn shift(&self, coefficients: &mut [f64], axis: usize, forwards: bool, keeps: bool) {
+        let extent = self.extent();
+        let inner: usize = extent[axis + 1..].iter().product();
+        let length = extent[axis] * inner;
+        for block in coefficients.chunks_exact_mut(length) {
+            // The first or last layer, the one that takes its place, and the one that becomes free.
+            let [lost, next, free] =
+                if forwards { [0, inner, length - inner] } else { [length - inner, length - 2 * inner, 0] };
+            (0..inner).filter(|_| keeps).for_each(|k| block[next + k] += block[lost + k]);
+            if forwards {
+                block.copy_within(inner.., 0);
+            } else {
+                block.copy_within(..length - inner, inner);
+            }
+            block[free..free + inner].fill(0.0);
+        }
+    }
+
+    /// Return the coarse cell of the box, counted along an axis from its lower end, that holds a fine point.
+    fn cell(&self, axis: usize, point: usize) -> usize {
+        let (place, turned) = (point / self.ratio, self.turned[axis]);
+        if place >= turned { place - turned } else { place + self.cells[axis] - turned }
+    }
+
+    /// Return the fine points along an axis in a coarse cell of the box.
+    pub fn points_in(&self, axis: usize, cell: usize) -> Range<usize> {
+        let first = (cell + self.turned[axis]) % self.cells[axis] * self.ratio;
+        first..first + self.ratio
     }
 
     /// Return the number of coefficients along each axis.
@@ -89,6 +139,16 @@ impl<const D: usize> Transfer<D> {
     /// Return the number of fine planes across x.
     pub fn planes(&self) -> usize {
         self.cells[0] * self.ratio
+    }
+
+    /// Return the number of fine rows of a plane across x.
+    pub fn rows_of_plane(&self) -> usize {
+        if D == 2 { 1 } else { self.cells[1] * self.ratio }
+    }
+
+    /// Return the number of coarse cells across the fine box along each axis.
+    pub fn cells(&self) -> &[usize; D] {
+        &self.cells
     }
 
     /// Return room for rows.
@@ -201,16 +261,21 @@ impl<const D: usize> Transfer<D> {
         self.cells[1..].iter().product()
     }
 
+    /// Return how many coarse points along an axis a point lies behind the lower end of the box.
+    fn from_first(&self, axis: usize, point: usize) -> usize {
+        let first = self.places[axis][1 + REACH];
+        if point >= first { point - first } else { point + self.coarse[axis] - first }
+    }
+
     /// Return the fine point at the place of a coarse one, if it is in the fine box.
-    pub fn in_box(&self, point: usize) -> Option<usize> {
+    fn in_box(&self, point: usize) -> Option<usize> {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
-            let first = self.places[axis][1 + REACH];
-            let from_first = (rest % self.coarse[axis]).wrapping_sub(first);
+            let from_first = self.from_first(axis, rest % self.coarse[axis]);
             if from_first >= self.cells[axis] {
                 return None;
             }
-            own += from_first * self.ratio * stride;
+            own += self.points_in(axis, from_first).start * stride;
             stride *= self.cells[axis] * self.ratio;
             rest /= self.coarse[axis];
         }
@@ -222,11 +287,11 @@ impl<const D: usize> Transfer<D> {
         let (length, first) = (self.coarse[D - 1], self.places[D - 1][1 + REACH]);
         for row in points.start / length..points.end.div_ceil(length) {
             let start = row * length;
-            let own = self.in_box(start + first);
+            let own = self.in_box(start + first).map(|own| own - self.points_in(D - 1, 0).start);
             for point in start.max(points.start)..(start + length).min(points.end) {
-                let from_first = (point - start).wrapping_sub(first);
+                let from_first = self.from_first(D - 1, point - start);
                 let inside = own.filter(|_| from_first < self.cells[D - 1]);
-                visit(point, inside.map(|own| own + from_first * self.ratio));
+                visit(point, inside.map(|own| own + self.points_in(D - 1, from_first).start));
             }
         }
     }
@@ -246,14 +311,14 @@ impl<const D: usize> Transfer<D> {
         mut visit: impl FnMut(usize, &[f64]),
     ) {
         let extent = self.extent();
-        let (first, weights) = self.weights_at(plane);
+        let (first, weights) = self.weights_at(0, plane);
         combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
         if D == 2 {
             self.expand(of_plane, values);
             return visit(0, values);
         }
-        for row in 0..self.cells[1] * self.ratio {
-            let (first, weights) = self.weights_at(row);
+        for row in 0..self.rows_of_plane() {
+            let (first, weights) = self.weights_at(1, row);
             combine(&of_plane[first * extent[D - 1]..], &weights, of_row);
             self.expand(of_row, values);
             visit(row, values);
@@ -262,6 +327,14 @@ impl<const D: usize> Transfer<D> {
 
     /// Write the fine values of a row with such coefficients.
     fn expand(&self, coefficients: &[f64], values: &mut [f64]) {
+        let turned = self.turned[D - 1];
+        let (behind, ahead) = values.split_at_mut(turned * self.ratio);
+        self.expand_cells(coefficients, ahead);
+        self.expand_cells(&coefficients[self.cells[D - 1] - turned..], behind);
+    }
+
+    /// Write the fine values of some neighbouring coarse cells.
+    fn expand_cells(&self, coefficients: &[f64], values: &mut [f64]) {
         if self.ratio == 4 {
             let columns: [[f64; 4]; 4] = from_fn(|k| from_fn(|p| self.weights[p][k]));
             for (values, c) in values.as_chunks_mut::<4>().0.iter_mut().zip(coefficients.windows(4)) {
@@ -279,8 +352,8 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return the first coefficient of a fine point along an axis, and the weights from there on.
-    fn weights_at(&self, point: usize) -> (usize, [f64; 4]) {
-        (point / self.ratio, self.weights[point % self.ratio])
+    fn weights_at(&self, axis: usize, point: usize) -> (usize, [f64; 4]) {
+        (self.cell(axis, point), self.weights[point % self.ratio])
     }
 
     /// Return the coarse cells along the last axis that lie between rims of a width in cells.
@@ -305,7 +378,7 @@ impl<const D: usize> Transfer<D> {
         }
         of_row.fill(0.0);
         self.gather(values, nothing, of_row);
-        let (first, weights) = self.weights_at(row);
+        let (first, weights) = self.weights_at(1, row);
         for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
             of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
         }
@@ -314,7 +387,7 @@ impl<const D: usize> Transfer<D> {
     fn gather(&self, values: &[f64], nothing: Range<usize>, coefficients: &mut [f64]) {
         let cells = (0..nothing.start).chain(nothing.end..self.cells[D - 1]);
         for cell in cells {
-            let values = &values[cell * self.ratio..][..self.ratio];
+            let values = &values[self.points_in(D - 1, cell)];
             let mut sums = [0.0; 4];
             for (value, w) in values.iter().zip(&self.weights) {
                 sums = from_fn(|k| sums[k] + w[k] * value);
@@ -327,7 +400,7 @@ impl<const D: usize> Transfer<D> {
     pub fn restrict_planes<'a>(&self, of_planes: impl Iterator<Item = &'a [f64]>, factor: f64, sums: &mut [f64]) {
         let (length, factor) = (self.plane_len(), factor / self.fine_cells());
         for (plane, of_plane) in of_planes.enumerate() {
-            let (first, weights) = self.weights_at(plane);
+            let (first, weights) = self.weights_at(0, plane);
             for (sums, weight) in sums[first * length..].chunks_exact_mut(length).zip(weights) {
                 sums.iter_mut().zip(of_plane).for_each(|(sum, own)| *sum += factor * weight * own);
             }
@@ -340,7 +413,7 @@ impl<const D: usize> Transfer<D> {
         let mut along = [(0, [0.0; 4]); D];
         for axis in (0..D).rev() {
             let points = self.cells[axis] * self.ratio;
-            along[axis] = self.weights_at(rest % points);
+            along[axis] = self.weights_at(axis, rest % points);
             rest /= points;
         }
         let scale = 1.0 / self.fine_cells();
@@ -360,11 +433,10 @@ impl<const D: usize> Transfer<D> {
         (self.ratio as f64).powi(D as i32)
     }
 
-    /// Return a number for each fine point along an axis, by its distance from the nearest end of the fine box in coarse
-    /// cells.
-    pub fn by_distance(&self, axis: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
-        let points = self.cells[axis] * self.ratio;
-        (0..points).map(|i| value(i.min(points - i) as f64 / self.ratio as f64)).collect()
+    /// Return the distance of a fine point along an axis from the nearest end of the fine box, coarse cells.
+    pub fn from_end(&self, axis: usize, point: usize) -> f64 {
+        let from_low = self.cell(axis, point) * self.ratio + point % self.ratio;
+        from_low.min(self.cells[axis] * self.ratio - from_low) as f64 / self.ratio as f64
     }
 }
 
@@ -406,7 +478,7 @@ mod tests {
 
     fn between<const D: usize>() -> (Grid<D>, Grid<D>, Transfer<D>) {
         let coarse = Grid::new([[0.0, 2.0]; D], std::array::from_fn(|axis| 20 + 2 * axis));
-        let fine = FineBox { first: [4; D], cells: std::array::from_fn(|axis| 10 + axis), ratio: 3 };
+        let fine = FineBox { first: [4; D], cells: std::array::from_fn(|axis| 10 + axis), ratio: 3, follows: None };
         (coarse, fine.grid(&coarse), Transfer::new(&coarse, &fine))
     }
 
@@ -473,7 +545,7 @@ mod tests {
     fn interpolation_has_the_fourth_order_and_knows_nothing_of_the_highest_wave() {
         let error = |cells: usize| {
             let coarse = Grid::new([[0.0, 1.0]; 2], [cells; 2]);
-            let fine = FineBox { first: [3; 2], cells: [12; 2], ratio: 4 };
+            let fine = FineBox { first: [3; 2], cells: [12; 2], ratio: 4, follows: None };
             let (own, transfer) = (fine.grid(&coarse), Transfer::new(&coarse, &fine));
             let wave = |[x, y]: [f64; 2]| (6.0 * x + 0.3).sin() * (5.0 * y).cos();
             let field: Vec<_> = (0..coarse.len()).map(|point| wave(coarse.point(point))).collect();
