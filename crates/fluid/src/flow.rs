@@ -51,6 +51,12 @@ impl<R: Real, const D: usize> Flow<R, D> {
             && self.fields().zip(other.fields()).all(|(own, other)| own.len() == other.len())
     }
 
+    /// Return the velocity interpolated by grid points and weights, m/s.
+    pub fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
+        let component = |u: &[R]| weights.iter().map(|&(point, weight)| weight * u[point].to_f64()).sum();
+        self.velocity.each_ref().map(|u| component(u))
+    }
+
     /// Return the velocity at a grid point, m/s.
     #[inline(always)]
     pub fn velocity_at(&self, point: usize) -> [f64; D] {

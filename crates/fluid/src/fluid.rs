@@ -46,6 +46,7 @@ where
     pub(crate) solver: Box<dyn FluidSolver<D>>,
     pub(crate) density: f64,
     pub(crate) probes: Vec<Probe>,
+    pub(crate) probe_places: Vec<[f64; D]>,
     /// Reference of the pressure around the beams; absent if that pressure is not wanted.
     pub(crate) outlet: Option<Outlet>,
     pub(crate) pressures: Cached<Pressures>,
@@ -132,6 +133,7 @@ where
             grid: parameters.grid(),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
+            probe_places: parameters.probes.clone(),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
             outlet,
             motion: Motion {
@@ -188,7 +190,7 @@ where
     /// Return the number of cells, of both grids.
     fn cells(&self) -> usize {
         let (own, bodies) = (self.grid.len(), self.problem.grid.len());
-        if self.grid.cells == self.problem.grid.cells { own } else { own + bodies }
+        if self.has_fine_box() { own + bodies } else { own }
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.

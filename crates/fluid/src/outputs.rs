@@ -10,6 +10,12 @@ use crate::pressures::{PressurePlaces, Pressures};
 use crate::solver::Solvable;
 use crate::stations::{Loads, Stations};
 
+/// A probe on two grids: whether it is in the fine box, and the points there or of the domain with their weights.
+struct OnGrids {
+    in_box: bool,
+    around: Vec<(usize, f64)>,
+}
+
 impl<const D: usize> Fluid<D>
 where
     [f64; D]: Solvable<D>,
@@ -49,7 +55,35 @@ where
 
     /// Return the velocity at a probe, numbered from 0, m/s.
     pub fn probe_velocity(&self, probe: usize) -> [f64; D] {
-        self.solver.velocity_by(&self.probes[probe].around)
+        match self.probe_on_grids(probe) {
+            None => self.solver.velocity_by(&self.probes[probe].around),
+            Some(OnGrids { in_box: true, around }) => self.solver.velocity_by(&around),
+            Some(OnGrids { around, .. }) => self.solver.coarse_velocity_by(&around),
+        }
+    }
+
+    /// Return the place of a probe on two grids; none on one.
+    fn probe_on_grids(&self, probe: usize) -> Option<OnGrids> {
+        let (position, fine) = (self.probe_places[probe], self.grid_of_bodies());
+        if !self.has_fine_box() {
+            return None;
+        }
+        let low = fine.low();
+        let image =
+            std::array::from_fn(|axis| low[axis] + (position[axis] - low[axis]).rem_euclid(self.grid.size[axis]));
+        let is_inside = |axis: usize| {
+            let cells = (image[axis] - low[axis]) / fine.spacing[axis];
+            1.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
+        };
+        let in_box = (0..D).all(is_inside);
+        let around =
+            if in_box { self.problem.grid.cubic_interpolation(image) } else { self.grid.cubic_interpolation(position) };
+        Some(OnGrids { in_box, around })
+    }
+
+    /// Return whether there are two grids.
+    pub(crate) fn has_fine_box(&self) -> bool {
+        self.grid.spacing != self.problem.grid.spacing
     }
 
     /// Return the static pressure at a probe, Pa. The first pressure after a step takes transforms.
@@ -176,6 +210,12 @@ where
     }
 
     fn pressures(&mut self) -> &Pressures {
+        let on_grids: Vec<_> = if self.pressures.is_current() {
+            vec![]
+        } else {
+            (0..self.probes.len()).filter_map(|k| Some((k, self.probe_on_grids(k)?))).collect()
+        };
+        let moved = self.solver.way() != [0.0; D];
         let Self { problem, present, solver, density, probes, outlet, pressures, .. } = self;
         pressures.get(|pressures| {
             solver.read_pressure(present, problem, &mut |problem, at| {
@@ -183,7 +223,18 @@ where
                 let (outlet, thin) = (outlet.as_ref(), &present.flexible.jump);
                 let density = *density;
                 PressurePlaces { grid, density, probes, outlet, beams, stations, thin }.read(at, pressures);
+                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| probe.in_box && moved) {
+                    pressures.probes[*k] =
+                        density * around.iter().map(|&(point, share)| share * at(point)).sum::<f64>();
+                }
             });
+            if on_grids.iter().any(|(_, probe)| !probe.in_box) {
+                let all = solver.pressure(present, problem);
+                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| !probe.in_box) {
+                    pressures.probes[*k] =
+                        *density * around.iter().map(|&(point, share)| share * all[point]).sum::<f64>();
+                }
+            }
         })
     }
 

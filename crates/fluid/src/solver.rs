@@ -62,8 +62,11 @@ where
     /// Return a vorticity component, 1/s; in single precision a copy.
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]>;
 
-    /// Return the velocity interpolated by grid points and weights, m/s.
+    /// Return the velocity interpolated by points of the bodies' grid and weights, m/s.
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
+
+    /// Return the same by points of the domain, of the coarse flow if there are two.
+    fn coarse_velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
 
     /// Return the sum of the velocity along x over some points of the domain, m/s.
     fn sum_of_u(&self, points: Range<usize>) -> f64;
@@ -212,8 +215,11 @@ where
     }
 
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
-        let component = |u: &[R]| weights.iter().map(|&(point, weight)| weight * u[point].to_f64()).sum();
-        self.flow.velocity.each_ref().map(|u| component(u))
+        self.flow.velocity_by(weights)
+    }
+
+    fn coarse_velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
+        self.scheme.of_domain(&self.flow).velocity_by(weights)
     }
 
     fn sum_of_u(&self, points: Range<usize>) -> f64 {
@@ -223,7 +229,7 @@ where
     }
 
     fn squares(&self) -> [f64; 2] {
-        let (mut sums, all) = ([0.0; 2], 0..self.scheme.points_of_domain(&self.flow));
+        let (mut sums, all) = ([0.0; 2], 0..self.scheme.of_domain(&self.flow).velocity[0].len());
         let visit = |flow: &Flow<R, D>, own: usize| sums[0] += square(flow.velocity_at(own));
         self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
         for component in 0..<[f64; D]>::VORTICITY {

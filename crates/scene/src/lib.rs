@@ -64,7 +64,7 @@ pub use rod::{Material, Rod, SectionProfile};
 pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scales::{ReferenceScales, Scales};
-pub use scene::{BeamWithRod, Display, Scene, Time};
+pub use scene::{BeamWithRod, Display, Followed, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};

@@ -21,6 +21,7 @@ from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
 
 SCENE = "scene"  # Dataset with the text of the scene, which VTK ignores
+FINE_BOX = "fine_box"  # Dataset with the lower ends of a fine box that moves, m, `[frames, axes]`, ignored too
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
@@ -181,6 +182,8 @@ class Grid(Series):
             spin = (3,) if len(cells) == 3 else ()
             for name, components in (("velocity", (3,)), ("vorticity", spin), ("pressure", ())):
                 self._place(data, name, (frames, *reversed(cells), *components))
+            if f"{FINE_BOX}.x" in fluid.variables:
+                self._place(self.file, FINE_BOX, (frames, len(cells)))
             self.file.flush()
         self.data = self.root["PointData"]
 
@@ -193,6 +196,8 @@ class Grid(Series):
             omega = np.stack([*across, omega], axis=-1)
         self.data["velocity"][frame] = np.stack([u, v, w], axis=-1)
         self.data["vorticity"][frame], self.data["pressure"][frame] = omega, p
+        if FINE_BOX in self.file:
+            self.file[FINE_BOX][frame] = [float(self.fluid.read(f"{FINE_BOX}.{axis}")[0]) for axis in "xyz"[: p.ndim]]
         self._count(frame + 1, time)
 
 

@@ -124,9 +124,9 @@ where
         points.for_each(|point| visit(flow, point));
     }
 
-    /// Return the number of points of the domain.
-    fn points_of_domain(&self, flow: &Flow<R, D>) -> usize {
-        flow.velocity[0].len()
+    /// Return the flow that has all points of the domain.
+    fn of_domain<'a>(&'a self, flow: &'a Flow<R, D>) -> &'a Flow<R, D> {
+        flow
     }
 
     /// Return a field of the flow over the domain, copied only if it is not in one piece and precision.

@@ -554,8 +554,8 @@ where
         });
     }
 
-    fn points_of_domain(&self, _: &Flow<R, D>) -> usize {
-        self.coarse.flow().velocity[0].len()
+    fn of_domain<'a>(&'a self, _: &'a Flow<R, D>) -> &'a Flow<R, D> {
+        self.coarse.flow()
     }
 
     fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {
