@@ -10,6 +10,8 @@ import pytest
 
 from nervure import api, load
 from nervure.errors import SceneError
+from nervure.output.animation import Frames
+from nervure.output.flow import View
 from nervure.scene import validate
 from nervure.simulation.results import FLUID_FIELDS
 from tests.conftest import nervure
@@ -117,6 +119,17 @@ def test_a_run_with_a_box_that_follows_is_continued_from_its_checkpoint(librarie
     assert low[0] == -3.0 and np.all(np.abs(at - low - 3.0) < 0.25), "the box is within a cell of its body"
     with h5py.File(tmp_path / "whole" / FLUID_FIELDS) as file:
         assert np.array_equal(file["fine_box"][:, 0], low[::20]), "frames say where the box is"
+    frames = Frames(tmp_path / "whole")
+    box, solid = frames.fine_box(4)[0], frames.solids(4)[0]
+    assert np.ptp(box, axis=0).tolist() == [6, 6] and box[0, 0] == low[-1]
+    assert abs(solid[:, 0].mean() - at[-1]) < 0.05
+
+
+def test_a_box_that_goes_through_a_side_is_drawn_on_both():
+    view = View(validate(driven()))
+    boxes, solids = view.fine_box([-18.0, -3.0]), view.outlines([], [[-15.0, 0.0, 0.0]])
+    ends = sorted((box[0, 0], box[1, 0]) for box in boxes)
+    assert ends == [(-6.0, 0.0), (6.0, 12.0)] and abs(solids[0][:, 0].mean() + 3.0) < 0.05, ends
 
 
 def test_inspect_shows_the_cells_of_both(libraries, tmp_path):

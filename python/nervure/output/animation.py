@@ -145,6 +145,11 @@ class Frames:
             beams = [outline for rod in self.rods(frame) for outline in plane.rod(*rod)]
         return self.view.outlines(beams, self.poses(frame), self.membrane(frame))
 
+    def fine_box(self, frame: int) -> list[np.ndarray]:
+        """Return the outlines of the fine box in the view, m."""
+        moves = fields.FINE_BOX in self.fluid
+        return self.view.fine_box(self.fluid[fields.FINE_BOX][frame] if moves else None)
+
     def rods(self, frame: int) -> list[tuple[np.ndarray, float]]:
         """Return centre line, `[n, 3]`, and largest radius of each beam in space, m."""
         thickness = self.facts.thickness if self.beams else {}
@@ -280,7 +285,7 @@ def plot_field(folder: Path, name: str, time: float | None, part: Part = ALL) ->
     picture = flow.Picture(axes[0, 0], frames.view, limit)
     if name == "speed":
         picture.image.set(cmap="viridis", clim=(0.0, limit))
-    picture.show(field, solids)
+    picture.show(field, solids, frames.fine_box(frame))
     picture.say(float(frames.times[frame]))
     flow.colour_bar(figure, axes, picture.image, frames.view, name, FIELDS[name])
     return figure
@@ -314,7 +319,7 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     figure.set_dpi(plots.DPI)
     for axis, frame in zip(axes.flat, chosen, strict=True):
         picture = flow.Picture(axis, frames.view, limit)
-        picture.show(frames.vorticity(frame), frames.solids(frame))
+        picture.show(frames.vorticity(frame), frames.solids(frame), frames.fine_box(frame))
         axis.set_title(frames.title(frame), loc="right", fontsize="small")
     layout.label_outer(axes)
     words = title(frames.scene, plots.WIDTH - 0.1 * len(frames.view.place))
@@ -404,7 +409,7 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     flow.colour_bar(figure, axes, picture.image, frames.view)
 
     def show(frame: int) -> None:
-        picture.show(frames.vorticity(frame), frames.solids(frame))
+        picture.show(frames.vorticity(frame), frames.solids(frame), frames.fine_box(frame))
         picture.say(float(frames.times[frame]))
 
     return filmed(figure, chosen, show)

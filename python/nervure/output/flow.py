@@ -29,7 +29,7 @@ LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the 
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
 THICK, THIN = 0.6, 1.5  # Widths of the outline of a solid and of a line
-MARK = "0.6"  # Grey of a sponge
+MARK = "0.6"  # Grey of a sponge and of the outline of a fine box
 
 Value = TypeVar("Value")
 Crop = Sequence[float]  # Ends of a part along x, y and in space z, m: x_0, x_1, y_0, …
@@ -99,10 +99,38 @@ class View:
         bodies = list(zip(fluid.bodies, poses, strict=False))
         if plane:
             cut = [line for body, of in bodies for line in plane.body(body, of, fluid)]
-            return [*cut, *beams, *(plane.cut(*wing) if wing else ())]
+            return list(map(self._image, [*cut, *beams, *(plane.cut(*wing) if wing else ())]))
         centres = (next(poses) if cylinder.motion else cylinder.center for cylinder in fluid.cylinders)
         found = [np.array(centre) + circle(own.radius) for centre, own in zip(centres, fluid.cylinders, strict=True)]
-        return [*found, *(body_outline(body, *of) for body, of in bodies), *beams]
+        return list(map(self._image, [*found, *(body_outline(body, *of) for body, of in bodies), *beams]))
+
+    def _image(self, line: np.ndarray) -> np.ndarray:
+        """Return an outline where it is in the box: one that follows a body may have gone through its sides."""
+        if not (self.fluid.fine_box and self.fluid.fine_box.follow):
+            return line
+        low, high = np.transpose(self.ends)
+        periods: np.ndarray = np.floor(((line.min(axis=0) + line.max(axis=0)) / 2 - low) / (high - low))
+        return np.array(line - periods * (high - low))
+
+    def fine_box(self, lows: Sequence[float] | None = None) -> list[np.ndarray]:
+        """Return the outlines of the fine box in the picture, m, each `[4, 2]`: two where it reaches over a side of the
+        periodic box. `lows` has its lower ends, m, if it moves."""
+        box, fine = self.fluid.box, self.fluid.fine_box
+        if fine is None:
+            return []
+        ends = {}
+        for i, name in enumerate("xyz"[: len(box.cells)]):
+            (low, high), own = getattr(box, name), getattr(fine, name)
+            cell = (high - low) / box.cells[i]
+            begin, end = (low + cell * np.round((np.array(own) - low) / cell)).tolist()
+            if lows is not None:
+                begin, end = lows[i], lows[i] + end - begin
+            begin, end = (at - (high - low) * np.floor((begin - low) / (high - low)) for at in (begin, end))
+            ends[name] = [(begin, end), (begin - high + low, end - high + low)][: 1 + (end > high)]
+        if self.plane and not any(a <= self.plane.place <= b for a, b in ends["xyz"[self.plane.normal]]):
+            return []
+        along, up = (ends[name] for name in self.names)
+        return [np.array([(a, c), (b, c), (b, d), (a, d)]) for a, b in along for c, d in up]
 
     @property
     def sponge(self) -> tuple[float, float] | None:
@@ -181,8 +209,9 @@ class Picture:
         look: dict[str, Any] = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": "x-small", "color": "0.35"}
         self.axis.annotate("sponge", (begin, 0), (-1, 3), ("data", "axes fraction"), "offset points", **look)
 
-    def show(self, field: np.ndarray, solids: Solids) -> None:
-        """Show a vorticity `field` (1/s) in the view, `[n, m]`, and the solids over it."""
+    def show(self, field: np.ndarray, solids: Solids, boxes: Solids = ()) -> None:
+        """Show a vorticity `field` (1/s) in the view, `[n, m]`, and over it the outlines of the fine box and the
+        solids."""
         along, up = self.view.ends
         self.image.set_data(resample(resample(field, along, self.x).T, up, self.y))
         for patch in self.patches:
@@ -191,6 +220,8 @@ class Picture:
         self.patches = [
             Polygon(self.view.scale * solid, linewidth=THIN if is_line(solid) else THICK, **look) for solid in solids
         ]
+        edges: dict[str, Any] = {"fill": False, "edgecolor": MARK, "linestyle": (0, (4, 3)), "linewidth": THICK}
+        self.patches += [Polygon(self.view.scale * box, **edges) for box in boxes]
         for patch in self.patches:
             self.axis.add_patch(patch)
 
