@@ -197,7 +197,7 @@ where
     pub fn start_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
-        self.solver.place_grid(&self.present, &self.problem);
+        self.solver.place_grid(None, &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
     }
 
@@ -207,7 +207,7 @@ where
         self.solver.start(&|grid: &Grid<D>, index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
     }
 
-    /// Continue the flow of another fluid on the same grid, with the same flexible and carried bodies and perhaps other
+    /// Continue the flow of another fluid on the same grids, with the same flexible and carried bodies and perhaps other
     /// rigid ones: its time, its velocity, and its flexible bodies with their loads.
     ///
     /// # Errors
@@ -215,7 +215,7 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.grid.cells == other.grid.cells && self.cells() == self.grid.len()),
+            ("a field", self.grid.cells == other.grid.cells && self.problem.grid.cells == other.problem.grid.cells),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -229,8 +229,12 @@ where
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
         self.start_at(known.time);
         self.pressures.invalidate();
-        let velocity: [_; D] = std::array::from_fn(|axis| other.velocity(axis));
-        let at = |_: &Grid<D>, point: usize| velocity.each_ref().map(|u| u[point]);
+        self.solver.place_grid(Some(other.solver.way()), &self.present, &self.problem);
+        let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
+        let at = |grid: &Grid<D>, point: usize| {
+            let on_domain = usize::from(grid.spacing == other.grid.spacing);
+            velocities.each_ref().map(|on_grids| on_grids[on_domain][point])
+        };
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())
     }

@@ -29,8 +29,8 @@ where
     /// Start from the divergence-free part of a velocity.
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
-    /// Put the bodies' grid to where they are before the first step.
-    fn place_grid(&mut self, present: &Present<D>, problem: &Problem<D>);
+    /// Put the bodies' grid to where they are, or by a way (m) from where it began, before the first step.
+    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>);
 
     /// Return the way that the bodies' grid has moved, m.
     fn way(&self) -> [f64; D];
@@ -58,6 +58,9 @@ where
 
     /// Return a velocity component, m/s; in single precision a copy.
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]>;
+
+    /// Return a velocity component on the grid of the bodies, m/s, and that of the coarse flow; the same on one grid.
+    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2];
 
     /// Return a vorticity component, 1/s; in single precision a copy.
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]>;
@@ -164,8 +167,8 @@ where
         self.scheme.start(velocity, &mut self.flow, present, problem);
     }
 
-    fn place_grid(&mut self, present: &Present<D>, problem: &Problem<D>) {
-        self.scheme.place_grid(&mut self.flow, present, problem);
+    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>) {
+        self.scheme.place_grid(way, &mut self.flow, present, problem);
     }
 
     fn way(&self) -> [f64; D] {
@@ -208,6 +211,10 @@ where
 
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
         self.scheme.over_domain(&self.flow, |flow| &flow.velocity[axis])
+    }
+
+    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2] {
+        [&self.flow, self.scheme.of_domain(&self.flow)].map(|flow| R::field_to_f64(&flow.velocity[axis]))
     }
 
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]> {

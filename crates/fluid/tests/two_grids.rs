@@ -469,3 +469,27 @@ fn a_probe_reads_the_flow_in_the_box_and_outside() {
     let low = fluid.grid_of_bodies().point(0)[0];
     assert!((-4.1..-3.5).contains(&low), "the box begins at {low} m");
 }
+
+#[test]
+fn another_fluid_continues_the_flow_on_both_grids() {
+    let h = 0.0125;
+    let parameters = driven(12, 2, h);
+    let [mut fluid, mut other] = [(); 2].map(|()| new(&parameters));
+    advance(&mut fluid, 90, h);
+    other.continue_from(&fluid).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(other.grid_of_bodies().point(0), fluid.grid_of_bodies().point(0));
+    let differences = |a: &Fluid, b: &Fluid| {
+        let pairs = [0, 1].map(|axis| (a.velocity(axis).into_owned(), b.velocity(axis).into_owned()));
+        pairs.iter().flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).abs())).fold(0.0, f64::max)
+    };
+    let largest = differences(&fluid, &other);
+    assert!(largest < 1e-12, "the velocity differs by {largest} m/s");
+    for fluid in [&mut fluid, &mut other] {
+        advance(fluid, 40, h);
+    }
+    let largest = differences(&fluid, &other);
+    assert!(largest < 0.02, "the velocity differs by {largest} m/s later");
+    let mut coarser = driven(12, 3, h);
+    coarser.fine_box.iter_mut().for_each(|fine| fine.cells = [24; 2]);
+    assert!(new(&coarser).continue_from(&fluid).is_err(), "another grid is taken");
+}

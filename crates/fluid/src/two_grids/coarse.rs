@@ -14,7 +14,7 @@ use crate::present::Present;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::Transforms;
-use crate::state::{CoarseState, Link, Memory};
+use crate::state::{CoarseState, Link};
 use crate::step::{Sbdf2, Scheme, StartVelocity, Substep};
 
 /// Share of a fine step by which it may end after the coarse flow.
@@ -71,9 +71,18 @@ where
     present: Present<D>,
     ratio: usize,
     spacing: [f64; D],
-    /// What was before the last step, for a fine step that fails.
-    saved: CoarseState<R, D>,
+    /// What the last step has lost, for a fine step that fails: the flow two steps earlier, `1/tau` and the step before the
+    /// one before, and the link.
+    saved: Saved<R, D>,
     room: FilterRoom,
+}
+
+/// See [`Coarse`].
+struct Saved<R: Real, const D: usize> {
+    earlier: Flow<R, D>,
+    inv_tau: f64,
+    step_before: f64,
+    link: Link,
 }
 
 impl<R: Real, T: Transforms<R, D>, const D: usize> Coarse<R, T, D>
@@ -98,9 +107,8 @@ where
             advection_rate: 0.0,
             moved: vec![0; D],
         };
-        let Memory::Sbdf2(memory) = scheme.memory() else { unreachable!("it is this scheme") };
         let mut own = Self {
-            saved: CoarseState { flow: flow.clone(), memory, link: link.clone() },
+            saved: Saved { earlier: flow.clone(), inv_tau: 0.0, step_before: 0.0, link: link.clone() },
             present: Present::without_bodies(&grid, velocity),
             problem: Problem::new(&parameters.without_bodies()),
             patch: Patch::new(&grid, fine.cells),
@@ -191,24 +199,24 @@ where
     pub fn save_for_undo(&mut self) {
         self.link.step = self.present.step;
         self.link.advection_rate = self.present.advection_rate;
-        let Self { saved, flow, scheme, link, .. } = self;
-        saved.flow.copy_from(flow);
-        saved.memory.copy_from(scheme.two_step());
-        saved.link.copy_from(link);
+        let (saved, memory) = (&mut self.saved, self.scheme.two_step());
+        saved.earlier.copy_from(&memory.earlier);
+        (saved.inv_tau, saved.step_before) = (memory.inv_tau, memory.step_before);
+        saved.link.copy_from(&self.link);
     }
 
-    /// Go back to what was saved.
+    /// Go back to before the step that was made since.
     pub fn undo(&mut self) {
         let Self { saved, flow, scheme, link, present, .. } = self;
-        flow.copy_from(&saved.flow);
-        scheme.two_step_mut().copy_from(&saved.memory);
+        scheme.take_back(flow, &saved.earlier, saved.inv_tau, saved.step_before);
         link.copy_from(&saved.link);
         (present.step, present.advection_rate) = (link.step, link.advection_rate);
     }
 
     /// Return a copy of everything that the next step depends on.
     pub fn state(&self) -> CoarseState<R, D> {
-        let mut state = self.saved.clone();
+        let (flow, memory) = (self.flow.clone(), self.scheme.two_step().clone());
+        let mut state = CoarseState { flow, memory, link: self.link.clone() };
         self.save(&mut state);
         state
     }
@@ -237,17 +245,6 @@ where
         (self.present.step, self.present.advection_rate) = (state.link.step, state.link.advection_rate);
     }
 
-    /// Make steps under the force `link.force` until a fine step does not end after the coarse flow.
-    ///
-    /// # Errors
-    /// [`Error::Diverged`].
-    pub fn reach(&mut self, fine: &Substep<D>) -> Result<(), Error> {
-        while self.is_behind(fine.dt) {
-            self.step(fine)?;
-        }
-        Ok(())
-    }
-
     /// Take over `link.force` as the given acceleration and on the patch.
     fn take_force(&mut self) {
         let Self { background: Background { transfer, .. }, link, scheme, patch, room, .. } = self;
@@ -262,17 +259,21 @@ where
         }
     }
 
-    /// Make a step, as much longer than the fine one as the cells are larger.
-    fn step(&mut self, fine: &Substep<D>) -> Result<(), Error> {
+    /// Make a step under the force `link.force`, as much longer than the fine one as the cells are larger but not shorter.
+    /// After an error all is as it was saved.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn step(&mut self, fine: &Substep<D>) -> Result<(), Error> {
         self.take_force();
         self.patch.solve();
-        let Self { link, flow, scheme, problem, present, ratio, .. } = self;
+        let Self { link, flow, scheme, problem, present, ratio, saved, .. } = self;
         let longest = fine.max_cfl / present.advection_rate.max(f64::MIN_POSITIVE);
         let dt = (*ratio as f64 * fine.dt).min(longest).max(fine.dt);
         let end = fine.end - fine.dt + link.ahead + dt;
         let step = Substep { dt, end, stations: &[], displacements: &[], ahead: None, ..*fine };
         let is_first = present.step == 0.0;
-        scheme.step(&step, flow, present, problem)?;
+        scheme.step(&step, flow, present, problem).inspect_err(|_| link.copy_from(&saved.link))?;
         link.ahead += dt;
         link.length = dt;
         link.ends.swap(0, 1);

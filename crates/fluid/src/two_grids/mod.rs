@@ -30,7 +30,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use line_fft::{Real, Team, nothing, run};
+use line_fft::{Arithmetic, Kernel, Real, Team, nothing, run};
 
 use crate::error::Error;
 use crate::field::Field;
@@ -208,14 +208,27 @@ where
             let sums = of_planes.chunks_exact_mut(of_plane);
             for ((axis, velocity), sums) in velocity.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let velocity = &velocity[row * values.len()..][..values.len()];
-                    let of_rows = across(window, plane, row);
-                    for (((own, u), coarse), w) in own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1]) {
-                        *own = of_rows * w * (u.to_f64() - coarse);
-                    }
-                    transfer.restrict_row(row, own, 0..0, of_row, sums);
-                });
+                compiled(
+                    #[inline(always)]
+                    || {
+                        transfer.interpolate(
+                            background.component(axis),
+                            plane,
+                            rows,
+                            #[inline(always)]
+                            |row, values| {
+                                let velocity = &velocity[row * values.len()..][..values.len()];
+                                let of_rows = across(window, plane, row);
+                                for (((own, u), coarse), w) in
+                                    own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1])
+                                {
+                                    *own = of_rows * w * (u.to_f64() - coarse);
+                                }
+                                transfer.restrict_row(row, own, 0..0, of_row, sums);
+                            },
+                        );
+                    },
+                );
             }
         });
         let Coarse { background: Background { transfer, .. }, link, .. } = coarse;
@@ -239,10 +252,21 @@ where
         let parts = points_of_planes_mut(source, transfer.planes()).enumerate();
         team.share_with(room, nothing, parts, |(plane, source), Room { rows, .. }| {
             for (axis, source) in source.into_iter().enumerate() {
-                transfer.interpolate(background.component(first + axis), plane, rows, |row, values| {
-                    let source = &mut source[row * values.len()..][..values.len()];
-                    source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
-                });
+                compiled(
+                    #[inline(always)]
+                    || {
+                        transfer.interpolate(
+                            background.component(first + axis),
+                            plane,
+                            rows,
+                            #[inline(always)]
+                            |row, values| {
+                                let source = &mut source[row * values.len()..][..values.len()];
+                                source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
+                            },
+                        );
+                    },
+                );
             }
         });
     }
@@ -264,23 +288,36 @@ where
             let sums = of_planes.chunks_exact_mut(of_plane);
             for ((axis, w), sums) in w.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let first = row * values.len();
-                    let w = &mut w[first..][..values.len()];
-                    let known = [&last[axis], &flow.velocity[axis]].map(|of| &of[plane * points + first..][..w.len()]);
-                    let of_rows = across(left, plane, row);
-                    for (k, (own, w)) in own.iter_mut().zip(w).enumerate() {
-                        let (correction, left) = (w.to_f64() - values[k], of_rows * left[D - 1][k]);
-                        *own = 0.0;
-                        if left < 1.0 {
-                            let tau_g = share * (known[0][k].to_f64() - known[1][k].to_f64());
-                            *own = (1.0 - left) * (correction - tau_g);
-                        }
-                        *w = R::rounded(correction - *own);
-                    }
-                    let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
-                    transfer.restrict_row(row, own, nothing, of_row, sums);
-                });
+                let (last, velocity) = (&last[axis][plane * points..], &flow.velocity[axis][plane * points..]);
+                compiled(
+                    #[inline(always)]
+                    || {
+                        transfer.interpolate(
+                            background.component(axis),
+                            plane,
+                            rows,
+                            #[inline(always)]
+                            |row, values| {
+                                let (first, cells) = (row * values.len(), transfer.cells()[D - 1]);
+                                let w = &mut w[first..][..values.len()];
+                                let (last, velocity) = (&last[first..][..w.len()], &velocity[first..][..w.len()]);
+                                let of_rows = across(left, plane, row);
+                                let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
+                                for (w, coarse) in w.iter_mut().zip(values) {
+                                    *w = R::rounded(w.to_f64() - coarse);
+                                }
+                                for cells in [0..nothing.start, nothing.end..cells] {
+                                    for k in cells.flat_map(|cell| transfer.points_in(D - 1, cell)) {
+                                        let tau_g = share * (last[k].to_f64() - velocity[k].to_f64());
+                                        own[k] = (1.0 - of_rows * left[D - 1][k]) * (w[k].to_f64() - tau_g);
+                                        w[k] = R::rounded(w[k].to_f64() - own[k]);
+                                    }
+                                }
+                                transfer.restrict_row(row, own, nothing, of_row, sums);
+                            },
+                        );
+                    },
+                );
             }
         });
         damped.fill(0.0);
@@ -306,20 +343,43 @@ where
         let parts = parts.map(|(w, velocity)| (w, velocity, of_plane())).enumerate();
         team.share_with(room, nothing, parts, |(plane, (w, mut velocity, vorticity)), Room { rows, .. }| {
             for (axis, (w, u)) in w.into_iter().zip(velocity.iter_mut()).enumerate() {
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let points = row * values.len()..(row + 1) * values.len();
-                    let pairs = w[points.clone()].iter_mut().zip(&mut u[points]);
-                    for ((w, u), coarse) in pairs.zip(values) {
-                        (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
-                    }
-                });
+                compiled(
+                    #[inline(always)]
+                    || {
+                        transfer.interpolate(
+                            background.component(axis),
+                            plane,
+                            rows,
+                            #[inline(always)]
+                            |row, values| {
+                                let points = row * values.len()..(row + 1) * values.len();
+                                let pairs = w[points.clone()].iter_mut().zip(&mut u[points]);
+                                for ((w, u), coarse) in pairs.zip(values) {
+                                    (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
+                                }
+                            },
+                        );
+                    },
+                );
             }
             for (component, omega) in vorticity.into_iter().flatten().enumerate() {
-                transfer.interpolate(background.component(D + component), plane, rows, |row, values| {
-                    let omega = &mut omega[row * values.len()..][..values.len()];
-                    let pairs = omega.iter_mut().zip(values);
-                    pairs.for_each(|(omega, coarse)| *omega = R::rounded(omega.to_f64() + coarse));
-                });
+                compiled(
+                    #[inline(always)]
+                    || {
+                        transfer.interpolate(
+                            background.component(D + component),
+                            plane,
+                            rows,
+                            #[inline(always)]
+                            |row, values| {
+                                let omega = &mut omega[row * values.len()..][..values.len()];
+                                for (omega, coarse) in omega.iter_mut().zip(values) {
+                                    *omega = R::rounded(omega.to_f64() + coarse);
+                                }
+                            },
+                        );
+                    },
+                );
             }
             let mut here = R::zero();
             run(AdvectionRate { inv_spacing, velocity: velocity.each_ref().map(|u| &**u), largest: &mut here });
@@ -430,11 +490,14 @@ where
         }
     }
 
-    fn place_grid(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+    fn place_grid(&mut self, way: Option<[f64; D]>, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         let moved = std::array::from_fn::<_, D, _>(|axis| {
-            let left = self.cells_left(axis, problem, &present.flexible.stations).round();
+            let left = match way {
+                Some(way) => self.coarse.cells_left(axis, way[axis]),
+                None => self.cells_left(axis, problem, &present.flexible.stations),
+            };
             let [least, most] = self.range[axis];
-            (f64::from(self.coarse.link.moved[axis]) + left).clamp(least, most) as i32
+            (f64::from(self.coarse.link.moved[axis]) + left.round()).clamp(least, most) as i32
         });
         if moved[..] != self.coarse.link.moved {
             let all = problem.grid.cells.map(|cells| 0..cells);
@@ -483,21 +546,18 @@ where
         present: &mut Present<D>,
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
-        let is_behind = self.coarse.is_behind(step.dt);
-        if is_behind {
+        if self.coarse.is_behind(step.dt) {
             self.coarse.save_for_undo();
             self.gather(step.team, flow, self.crossing_rate(present));
+            self.coarse.step(step)?;
+            self.step_fine(step, flow, present, problem).inspect_err(|_| self.coarse.undo())?;
+        } else {
+            self.step_fine(step, flow, present, problem)?;
         }
-        let mut made = self.coarse.reach(step);
-        if made.is_ok() {
-            made = self.step_fine(step, flow, present, problem);
+        if self.coarse.is_behind(step.dt) {
+            self.follow(flow, present, problem);
         }
-        match made {
-            Ok(()) if self.coarse.is_behind(step.dt) => self.follow(flow, present, problem),
-            Err(_) if is_behind => self.coarse.undo(),
-            _ => (),
-        }
-        made
+        Ok(())
     }
 
     fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
@@ -602,7 +662,25 @@ fn take_off_all<R: Real, const D: usize>(background: &Background<D>, w: &mut [Fi
     }
 }
 
+/// Do work that is compiled for each kind of processor.
+#[inline(always)]
+fn compiled(work: impl FnOnce()) {
+    run(Compiled(work));
+}
+
+struct Compiled<W>(W);
+
+impl<W: FnOnce()> Kernel for Compiled<W> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic<f64>) {
+        (self.0)();
+    }
+}
+
 /// Return the product of a row's numbers along all axes but the last.
+#[inline(always)]
 fn across<const D: usize>(along: &[Vec<f64>; D], plane: usize, row: usize) -> f64 {
     if D == 2 { along[0][plane] } else { along[0][plane] * along[1][row] }
 }

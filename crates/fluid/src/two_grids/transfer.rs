@@ -111,8 +111,10 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return the fine points along an axis in a coarse cell of the box.
+    #[inline(always)]
     pub fn points_in(&self, axis: usize, cell: usize) -> Range<usize> {
-        let first = (cell + self.turned[axis]) % self.cells[axis] * self.ratio;
+        let place = cell + self.turned[axis];
+        let first = if place < self.cells[axis] { place } else { place - self.cells[axis] } * self.ratio;
         first..first + self.ratio
     }
 
@@ -303,6 +305,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Call `visit(row, values)` with each row of a fine plane across x: its number, and the interpolated values.
+    #[inline(always)]
     pub fn interpolate(
         &self,
         coefficients: &[f64],
@@ -326,6 +329,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Write the fine values of a row with such coefficients.
+    #[inline(always)]
     fn expand(&self, coefficients: &[f64], values: &mut [f64]) {
         let turned = self.turned[D - 1];
         let (behind, ahead) = values.split_at_mut(turned * self.ratio);
@@ -334,29 +338,30 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Write the fine values of some neighbouring coarse cells.
+    #[inline(always)]
     fn expand_cells(&self, coefficients: &[f64], values: &mut [f64]) {
-        if self.ratio == 4 {
-            let columns: [[f64; 4]; 4] = from_fn(|k| from_fn(|p| self.weights[p][k]));
-            for (values, c) in values.as_chunks_mut::<4>().0.iter_mut().zip(coefficients.windows(4)) {
-                *values = from_fn(|p| {
-                    columns[0][p] * c[0] + columns[1][p] * c[1] + columns[2][p] * c[2] + columns[3][p] * c[3]
-                });
-            }
-            return;
-        }
-        for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
-            for (value, w) in values.iter_mut().zip(&self.weights) {
-                *value = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
+        match self.ratio {
+            2 => expand::<2>(&self.weights, coefficients, values),
+            3 => expand::<3>(&self.weights, coefficients, values),
+            4 => expand::<4>(&self.weights, coefficients, values),
+            _ => {
+                for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
+                    for (value, w) in values.iter_mut().zip(&self.weights) {
+                        *value = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
+                    }
+                }
             }
         }
     }
 
     /// Return the first coefficient of a fine point along an axis, and the weights from there on.
+    #[inline(always)]
     fn weights_at(&self, axis: usize, point: usize) -> (usize, [f64; 4]) {
         (self.cell(axis, point), self.weights[point % self.ratio])
     }
 
     /// Return the coarse cells along the last axis that lie between rims of a width in cells.
+    #[inline(always)]
     pub fn between_rims(&self, rim: f64) -> Range<usize> {
         let rim = rim.ceil() as usize;
         rim..self.cells[D - 1] - rim
@@ -364,6 +369,7 @@ impl<const D: usize> Transfer<D> {
 
     /// Add the restriction of a row of a fine plane along the axes after x to the sums of that plane. In some coarse cells
     /// the values are nothing.
+    #[inline(always)]
     pub fn restrict_row(
         &self,
         row: usize,
@@ -384,15 +390,21 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
+    #[inline(always)]
     fn gather(&self, values: &[f64], nothing: Range<usize>, coefficients: &mut [f64]) {
-        let cells = (0..nothing.start).chain(nothing.end..self.cells[D - 1]);
-        for cell in cells {
-            let values = &values[self.points_in(D - 1, cell)];
-            let mut sums = [0.0; 4];
-            for (value, w) in values.iter().zip(&self.weights) {
-                sums = from_fn(|k| sums[k] + w[k] * value);
+        for cells in [0..nothing.start, nothing.end..self.cells[D - 1]] {
+            for cell in cells {
+                let values = &values[self.points_in(D - 1, cell)];
+                let mut sums = [0.0; 4];
+                for (value, w) in values.iter().zip(&self.weights) {
+                    for k in 0..4 {
+                        sums[k] += w[k] * value;
+                    }
+                }
+                for k in 0..4 {
+                    coefficients[cell + k] += sums[k];
+                }
             }
-            (0..4).for_each(|k| coefficients[cell + k] += sums[k]);
         }
     }
 
@@ -440,11 +452,26 @@ impl<const D: usize> Transfer<D> {
     }
 }
 
+/// Write the fine values of some coarse cells with so many each.
+#[inline(always)]
+fn expand<const RATIO: usize>(weights: &[[f64; 4]], coefficients: &[f64], values: &mut [f64]) {
+    let mut columns = [[0.0; RATIO]; 4];
+    for (k, column) in columns.iter_mut().enumerate() {
+        column.iter_mut().zip(weights).for_each(|(column, weights)| *column = weights[k]);
+    }
+    for (values, c) in values.as_chunks_mut::<RATIO>().0.iter_mut().zip(coefficients.windows(4)) {
+        for p in 0..RATIO {
+            values[p] = columns[0][p] * c[0] + columns[1][p] * c[1] + columns[2][p] * c[2] + columns[3][p] * c[3];
+        }
+    }
+}
+
 /// Write the sum of four neighbouring planes or rows with weights.
+#[inline(always)]
 fn combine(coefficients: &[f64], weights: &[f64; 4], sum: &mut [f64]) {
     let length = sum.len();
-    let part = |k: usize| &coefficients[k * length..][..length];
-    let [a, b, c, d] = [0, 1, 2, 3].map(part);
+    let (a, b) = (&coefficients[..length], &coefficients[length..][..length]);
+    let (c, d) = (&coefficients[2 * length..][..length], &coefficients[3 * length..][..length]);
     for (i, sum) in sum.iter_mut().enumerate() {
         *sum = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
     }
