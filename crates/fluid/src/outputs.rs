@@ -53,6 +53,42 @@ where
         pressure
     }
 
+    /// Return a velocity component on [`Self::grid_of_bodies`], m/s.
+    pub fn fine_velocity(&self, axis: usize) -> Vec<f64> {
+        let [own, _] = self.solver.velocities(axis);
+        self.from_low_end(&own)
+    }
+
+    /// Return a vorticity component on the same grid, 1/s.
+    pub fn fine_vorticity(&self, component: usize) -> Vec<f64> {
+        self.from_low_end(&self.solver.own_vorticity(component))
+    }
+
+    /// Return the static pressure on the same grid, Pa.
+    pub fn fine_pressure(&mut self) -> Vec<f64> {
+        let (density, mut pressure) = (self.density, vec![0.0; self.problem.grid.len()]);
+        self.solver.read_pressure(&self.present, &mut self.problem, &mut |_, at| {
+            pressure.iter_mut().enumerate().for_each(|(point, pressure)| *pressure = density * at(point));
+        });
+        self.from_low_end(&pressure)
+    }
+
+    /// Return what is given at the periodic points of the bodies' grid in their order from its lower end on.
+    fn from_low_end(&self, values: &[f64]) -> Vec<f64> {
+        let (Grid { cells, spacing, .. }, way) = (&self.problem.grid, self.solver.way());
+        let moved = |axis: usize| ((way[axis] / spacing[axis]).round() as i64).rem_euclid(cells[axis] as i64) as usize;
+        let moved: [_; D] = std::array::from_fn(moved);
+        let place = |point: usize| {
+            let (mut rest, mut own, mut stride) = (point, 0, 1);
+            for axis in (0..D).rev() {
+                own += (rest + moved[axis]) % cells[axis] * stride;
+                (rest, stride) = (rest / cells[axis], stride * cells[axis]);
+            }
+            own
+        };
+        (0..values.len()).map(|point| values[place(point)]).collect()
+    }
+
     /// Return the velocity at a probe, numbered from 0, m/s.
     pub fn probe_velocity(&self, probe: usize) -> [f64; D] {
         match self.probe_on_grids(probe) {
@@ -82,7 +118,7 @@ where
     }
 
     /// Return whether there are two grids.
-    pub(crate) fn has_fine_box(&self) -> bool {
+    pub fn has_fine_box(&self) -> bool {
         self.grid.spacing != self.problem.grid.spacing
     }
 

@@ -62,6 +62,9 @@ where
     /// Return a velocity component on the grid of the bodies, m/s, and that of the coarse flow; the same on one grid.
     fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2];
 
+    /// Return a vorticity component on the grid of the bodies, 1/s.
+    fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]>;
+
     /// Return a vorticity component, 1/s; in single precision a copy.
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]>;
 
@@ -215,6 +218,10 @@ where
 
     fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2] {
         [&self.flow, self.scheme.of_domain(&self.flow)].map(|flow| R::field_to_f64(&flow.velocity[axis]))
+    }
+
+    fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]> {
+        R::field_to_f64(&self.flow.vorticity[component])
     }
 
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]> {

@@ -468,6 +468,20 @@ fn a_probe_reads_the_flow_in_the_box_and_outside() {
     }
     let low = fluid.grid_of_bodies().point(0)[0];
     assert!((-4.1..-3.5).contains(&low), "the box begins at {low} m");
+    // Fields of the box are those of the domain where both have a point.
+    let (fine, own) =
+        ([fluid.fine_velocity(0), fluid.fine_vorticity(0), fluid.fine_pressure()], fluid.grid_of_bodies());
+    let large = [fluid.velocity(0).into_owned(), fluid.vorticity(0).into_owned(), fluid.pressure()];
+    for [x, y] in [[-1.0, 1.0], [-3.5, -2.0], [1.5, 2.5]] {
+        let index = |grid: &nervure_fluid::Grid| {
+            let along = |axis: usize, at: f64| ((at - grid.point(0)[axis]) / grid.spacing[axis]).round() as usize;
+            along(0, x) * grid.cells[1] + along(1, y)
+        };
+        for (fine, large) in fine.iter().zip(&large) {
+            let [found, expected] = [fine[index(&own)], large[index(&grid)]];
+            assert!((found - expected).abs() < 1e-12, "at ({x}, {y}) m: {found} beside {expected}");
+        }
+    }
 }
 
 #[test]

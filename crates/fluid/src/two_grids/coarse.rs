@@ -42,14 +42,14 @@ impl<const D: usize> Background<D> {
         rows: &mut Rows,
         mut visit: impl FnMut(usize, f64),
     ) {
+        let length = self.transfer.row_points();
         for plane in points[0].clone() {
-            self.transfer.interpolate(self.component(component), plane, rows, |row, values| {
-                if D == 2 || points[1].contains(&row) {
-                    let columns = &points[D - 1];
-                    let first = (plane * self.transfer.rows_of_plane() + row) * values.len();
-                    columns.clone().for_each(|column| visit(first + column, values[column]));
-                }
-            });
+            let values = self.transfer.interpolate(self.component(component), plane, rows);
+            let first = plane * values.len();
+            let own_rows = if D == 2 { 0..1 } else { points[1].clone() };
+            for at in own_rows.flat_map(|row| points[D - 1].clone().map(move |column| row * length + column)) {
+                visit(first + at, values[at]);
+            }
         }
     }
 }

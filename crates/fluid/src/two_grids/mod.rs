@@ -30,7 +30,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use line_fft::{Arithmetic, Kernel, Real, Team, nothing, run};
+use line_fft::{Real, Team, nothing, run};
 
 use crate::error::Error;
 use crate::field::Field;
@@ -208,27 +208,16 @@ where
             let sums = of_planes.chunks_exact_mut(of_plane);
             for ((axis, velocity), sums) in velocity.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
-                compiled(
-                    #[inline(always)]
-                    || {
-                        transfer.interpolate(
-                            background.component(axis),
-                            plane,
-                            rows,
-                            #[inline(always)]
-                            |row, values| {
-                                let velocity = &velocity[row * values.len()..][..values.len()];
-                                let of_rows = across(window, plane, row);
-                                for (((own, u), coarse), w) in
-                                    own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1])
-                                {
-                                    *own = of_rows * w * (u.to_f64() - coarse);
-                                }
-                                transfer.restrict_row(row, own, 0..0, of_row, sums);
-                            },
-                        );
-                    },
-                );
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                let length = own.len();
+                let lines = velocity.chunks_exact(length).zip(values.chunks_exact(length));
+                for (row, (velocity, values)) in lines.enumerate() {
+                    let of_rows = across(window, plane, row);
+                    for (((own, u), coarse), w) in own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1]) {
+                        *own = of_rows * w * (u.to_f64() - coarse);
+                    }
+                    transfer.restrict_row(row, own, 0..0, of_row, sums);
+                }
             }
         });
         let Coarse { background: Background { transfer, .. }, link, .. } = coarse;
@@ -252,21 +241,8 @@ where
         let parts = points_of_planes_mut(source, transfer.planes()).enumerate();
         team.share_with(room, nothing, parts, |(plane, source), Room { rows, .. }| {
             for (axis, source) in source.into_iter().enumerate() {
-                compiled(
-                    #[inline(always)]
-                    || {
-                        transfer.interpolate(
-                            background.component(first + axis),
-                            plane,
-                            rows,
-                            #[inline(always)]
-                            |row, values| {
-                                let source = &mut source[row * values.len()..][..values.len()];
-                                source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
-                            },
-                        );
-                    },
-                );
+                let values = transfer.interpolate(background.component(first + axis), plane, rows);
+                source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
             }
         });
     }
@@ -289,35 +265,22 @@ where
             for ((axis, w), sums) in w.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
                 let (last, velocity) = (&last[axis][plane * points..], &flow.velocity[axis][plane * points..]);
-                compiled(
-                    #[inline(always)]
-                    || {
-                        transfer.interpolate(
-                            background.component(axis),
-                            plane,
-                            rows,
-                            #[inline(always)]
-                            |row, values| {
-                                let (first, cells) = (row * values.len(), transfer.cells()[D - 1]);
-                                let w = &mut w[first..][..values.len()];
-                                let (last, velocity) = (&last[first..][..w.len()], &velocity[first..][..w.len()]);
-                                let of_rows = across(left, plane, row);
-                                let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
-                                for (w, coarse) in w.iter_mut().zip(values) {
-                                    *w = R::rounded(w.to_f64() - coarse);
-                                }
-                                for cells in [0..nothing.start, nothing.end..cells] {
-                                    for k in cells.flat_map(|cell| transfer.points_in(D - 1, cell)) {
-                                        let tau_g = share * (last[k].to_f64() - velocity[k].to_f64());
-                                        own[k] = (1.0 - of_rows * left[D - 1][k]) * (w[k].to_f64() - tau_g);
-                                        w[k] = R::rounded(w[k].to_f64() - own[k]);
-                                    }
-                                }
-                                transfer.restrict_row(row, own, nothing, of_row, sums);
-                            },
-                        );
-                    },
-                );
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
+                for (row, w) in w.chunks_exact_mut(own.len()).enumerate() {
+                    let known = row * own.len()..(row + 1) * own.len();
+                    let (last, velocity) = (&last[known.clone()], &velocity[known]);
+                    let of_rows = across(left, plane, row);
+                    let nothing = if of_rows == 1.0 { transfer.between_rims(RIM) } else { 0..0 };
+                    for cells in [0..nothing.start, nothing.end..transfer.cells()[D - 1]] {
+                        for k in cells.flat_map(|cell| transfer.points_in(D - 1, cell)) {
+                            let tau_g = share * (last[k].to_f64() - velocity[k].to_f64());
+                            own[k] = (1.0 - of_rows * left[D - 1][k]) * (w[k].to_f64() - tau_g);
+                            w[k] = R::rounded(w[k].to_f64() - own[k]);
+                        }
+                    }
+                    transfer.restrict_row(row, own, nothing, of_row, sums);
+                }
             }
         });
         damped.fill(0.0);
@@ -343,43 +306,16 @@ where
         let parts = parts.map(|(w, velocity)| (w, velocity, of_plane())).enumerate();
         team.share_with(room, nothing, parts, |(plane, (w, mut velocity, vorticity)), Room { rows, .. }| {
             for (axis, (w, u)) in w.into_iter().zip(velocity.iter_mut()).enumerate() {
-                compiled(
-                    #[inline(always)]
-                    || {
-                        transfer.interpolate(
-                            background.component(axis),
-                            plane,
-                            rows,
-                            #[inline(always)]
-                            |row, values| {
-                                let points = row * values.len()..(row + 1) * values.len();
-                                let pairs = w[points.clone()].iter_mut().zip(&mut u[points]);
-                                for ((w, u), coarse) in pairs.zip(values) {
-                                    (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
-                                }
-                            },
-                        );
-                    },
-                );
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                for ((w, u), coarse) in w.iter_mut().zip(&mut **u).zip(values) {
+                    (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
+                }
             }
             for (component, omega) in vorticity.into_iter().flatten().enumerate() {
-                compiled(
-                    #[inline(always)]
-                    || {
-                        transfer.interpolate(
-                            background.component(D + component),
-                            plane,
-                            rows,
-                            #[inline(always)]
-                            |row, values| {
-                                let omega = &mut omega[row * values.len()..][..values.len()];
-                                for (omega, coarse) in omega.iter_mut().zip(values) {
-                                    *omega = R::rounded(omega.to_f64() + coarse);
-                                }
-                            },
-                        );
-                    },
-                );
+                let values = transfer.interpolate(background.component(D + component), plane, rows);
+                for (omega, coarse) in omega.iter_mut().zip(values) {
+                    *omega = R::rounded(omega.to_f64() + coarse);
+                }
             }
             let mut here = R::zero();
             run(AdvectionRate { inv_spacing, velocity: velocity.each_ref().map(|u| &**u), largest: &mut here });
@@ -523,8 +459,11 @@ where
         let team = &Team::alone();
         self.coarse.start(velocity, present.time);
         let background: [_; D] = std::array::from_fn(|axis| {
-            let mut all = vec![];
-            self.interpolate(axis, |values| all.extend_from_slice(values));
+            let Self { coarse: Coarse { background, .. }, room, .. } = self;
+            let (transfer, mut all) = (&background.transfer, vec![]);
+            for plane in 0..transfer.planes() {
+                all.extend_from_slice(transfer.interpolate(background.component(axis), plane, &mut room[0].rows));
+            }
             all
         });
         let low = problem.grid.moved(&self.way(None)).low();
@@ -581,12 +520,10 @@ where
             / plane as f64
             - of_force;
         for (plane, pi) in pi.chunks_exact_mut(plane).enumerate() {
-            transfer.interpolate(pressure, plane, rows, |row, values| {
-                let pi = &mut pi[row * values.len()..][..values.len()];
-                pi.iter_mut()
-                    .zip(values)
-                    .for_each(|(pi, of_coarse)| *pi = R::rounded(pi.to_f64() - at_end + of_coarse));
-            });
+            let values = transfer.interpolate(pressure, plane, rows);
+            for (pi, of_coarse) in pi.iter_mut().zip(values) {
+                *pi = R::rounded(pi.to_f64() - at_end + of_coarse);
+            }
         }
         pi
     }
@@ -635,47 +572,14 @@ where
     }
 }
 
-impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
-where
-    [f64; D]: Space<D>,
-{
-    /// Call `visit` with all rows of a component of the coarse flow on fine cells.
-    fn interpolate(&mut self, component: usize, mut visit: impl FnMut(&[f64])) {
-        let Self { coarse: Coarse { background, .. }, room, .. } = self;
-        for plane in 0..background.transfer.planes() {
-            let rows = &mut room[0].rows;
-            background.transfer.interpolate(background.component(component), plane, rows, |_, values| visit(values));
-        }
-    }
-}
-
 /// Take the coarse velocity off `w`.
 fn take_off_all<R: Real, const D: usize>(background: &Background<D>, w: &mut [Field<R>; D], rows: &mut Rows) {
     let transfer = &background.transfer;
     for (plane, w) in points_of_planes_mut(w, transfer.planes()).enumerate() {
         for (axis, w) in w.into_iter().enumerate() {
-            transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                let w = &mut w[row * values.len()..][..values.len()];
-                w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
-            });
+            let values = transfer.interpolate(background.component(axis), plane, rows);
+            w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
         }
-    }
-}
-
-/// Do work that is compiled for each kind of processor.
-#[inline(always)]
-fn compiled(work: impl FnOnce()) {
-    run(Compiled(work));
-}
-
-struct Compiled<W>(W);
-
-impl<W: FnOnce()> Kernel for Compiled<W> {
-    type Real = f64;
-
-    #[inline(always)]
-    fn run(self, _: impl Arithmetic<f64>) {
-        (self.0)();
     }
 }
 

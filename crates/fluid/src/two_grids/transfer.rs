@@ -10,6 +10,8 @@
 use std::array::from_fn;
 use std::ops::Range;
 
+use line_fft::{Arithmetic, Kernel, run};
+
 use crate::grid::Grid;
 use crate::kernel::cubic;
 use crate::parameters::FineBox;
@@ -41,7 +43,7 @@ pub struct Transfer<const D: usize> {
     filter: [f64; REACH + 1],
 }
 
-/// Room for the coefficients of a plane and of a row, and for the fine values of a row.
+/// Room for the coefficients of a plane and of a row, and for the fine values of a plane.
 #[derive(Clone, Default)]
 pub struct Rows {
     plane: Vec<f64>,
@@ -143,8 +145,13 @@ impl<const D: usize> Transfer<D> {
         self.cells[0] * self.ratio
     }
 
+    /// Return the number of fine points of a row.
+    pub fn row_points(&self) -> usize {
+        self.cells[D - 1] * self.ratio
+    }
+
     /// Return the number of fine rows of a plane across x.
-    pub fn rows_of_plane(&self) -> usize {
+    fn rows_of_plane(&self) -> usize {
         if D == 2 { 1 } else { self.cells[1] * self.ratio }
     }
 
@@ -159,7 +166,7 @@ impl<const D: usize> Transfer<D> {
         Rows {
             plane: vec![0.0; self.plane_len()],
             row: vec![0.0; self.extent()[last]],
-            values: vec![0.0; self.cells[last] * self.ratio],
+            values: vec![0.0; self.rows_of_plane() * self.row_points()],
         }
     }
 
@@ -304,28 +311,10 @@ impl<const D: usize> Transfer<D> {
         self.for_each_of(0..points, |point, own| own.into_iter().for_each(|own| visit(point, own)));
     }
 
-    /// Call `visit(row, values)` with each row of a fine plane across x: its number, and the interpolated values.
-    #[inline(always)]
-    pub fn interpolate(
-        &self,
-        coefficients: &[f64],
-        plane: usize,
-        Rows { plane: of_plane, row: of_row, values }: &mut Rows,
-        mut visit: impl FnMut(usize, &[f64]),
-    ) {
-        let extent = self.extent();
-        let (first, weights) = self.weights_at(0, plane);
-        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
-        if D == 2 {
-            self.expand(of_plane, values);
-            return visit(0, values);
-        }
-        for row in 0..self.rows_of_plane() {
-            let (first, weights) = self.weights_at(1, row);
-            combine(&of_plane[first * extent[D - 1]..], &weights, of_row);
-            self.expand(of_row, values);
-            visit(row, values);
-        }
+    /// Return the interpolated values of a fine plane across x.
+    pub fn interpolate<'a>(&self, coefficients: &[f64], plane: usize, rows: &'a mut Rows) -> &'a [f64] {
+        run(Interpolation { transfer: self, coefficients, plane, rows: &mut *rows });
+        &rows.values
     }
 
     /// Write the fine values of a row with such coefficients.
@@ -342,7 +331,6 @@ impl<const D: usize> Transfer<D> {
     fn expand_cells(&self, coefficients: &[f64], values: &mut [f64]) {
         match self.ratio {
             2 => expand::<2>(&self.weights, coefficients, values),
-            3 => expand::<3>(&self.weights, coefficients, values),
             4 => expand::<4>(&self.weights, coefficients, values),
             _ => {
                 for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
@@ -369,7 +357,6 @@ impl<const D: usize> Transfer<D> {
 
     /// Add the restriction of a row of a fine plane along the axes after x to the sums of that plane. In some coarse cells
     /// the values are nothing.
-    #[inline(always)]
     pub fn restrict_row(
         &self,
         row: usize,
@@ -379,11 +366,12 @@ impl<const D: usize> Transfer<D> {
         of_plane: &mut [f64],
     ) {
         let last = self.extent()[D - 1];
+        let gather = |sums: &mut [f64]| run(Gathering { transfer: self, values, nothing: nothing.clone(), sums });
         if D == 2 {
-            return self.gather(values, nothing, of_plane);
+            return gather(of_plane);
         }
         of_row.fill(0.0);
-        self.gather(values, nothing, of_row);
+        gather(of_row);
         let (first, weights) = self.weights_at(1, row);
         for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
             of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
@@ -452,6 +440,50 @@ impl<const D: usize> Transfer<D> {
     }
 }
 
+/// Restriction of a row along it.
+struct Gathering<'a, const D: usize> {
+    transfer: &'a Transfer<D>,
+    values: &'a [f64],
+    nothing: Range<usize>,
+    sums: &'a mut [f64],
+}
+
+impl<const D: usize> Kernel for Gathering<'_, D> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic<f64>) {
+        self.transfer.gather(self.values, self.nothing, self.sums);
+    }
+}
+
+/// See [`Transfer::interpolate`].
+struct Interpolation<'a, const D: usize> {
+    transfer: &'a Transfer<D>,
+    coefficients: &'a [f64],
+    plane: usize,
+    rows: &'a mut Rows,
+}
+
+impl<const D: usize> Kernel for Interpolation<'_, D> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic<f64>) {
+        let Self { transfer, coefficients, plane, rows: Rows { plane: of_plane, row: of_row, values } } = self;
+        let (first, weights) = transfer.weights_at(0, plane);
+        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
+        if D == 2 {
+            return transfer.expand(of_plane, values);
+        }
+        for (row, values) in values.chunks_exact_mut(transfer.row_points()).enumerate() {
+            let (first, weights) = transfer.weights_at(1, row);
+            combine(&of_plane[first * of_row.len()..], &weights, of_row);
+            transfer.expand(of_row, values);
+        }
+    }
+}
+
 /// Write the fine values of some coarse cells with so many each.
 #[inline(always)]
 fn expand<const RATIO: usize>(weights: &[[f64; 4]], coefficients: &[f64], values: &mut [f64]) {
@@ -513,7 +545,7 @@ mod tests {
         let (mut coefficients, mut all, mut rows) = (vec![0.0; transfer.len()], vec![], transfer.rows());
         transfer.write_coefficients(|point, _| field[point], &mut FilterRoom::default(), &mut coefficients);
         for plane in 0..transfer.planes() {
-            transfer.interpolate(&coefficients, plane, &mut rows, |_, values| all.extend_from_slice(values));
+            all.extend_from_slice(transfer.interpolate(&coefficients, plane, &mut rows));
         }
         all
     }
@@ -566,6 +598,51 @@ mod tests {
     fn coarse_cells_receive_all_momentum_of_fine_ones() {
         coarse_cells_receive_the_momentum_of_fine_ones::<2>();
         coarse_cells_receive_the_momentum_of_fine_ones::<3>();
+    }
+
+    /// Interpolate and restrict on a box that has moved as on one that was made there, over an end of the domain.
+    fn a_moved_box_is_one_made_there<const D: usize>() {
+        let (coarse, _, mut moved) = between::<D>();
+        let way: [i32; D] = std::array::from_fn(|axis| [-7, 13, 1][axis]);
+        let first = std::array::from_fn(|axis| coarse.wrap(axis, 4 + i64::from(way[axis])));
+        let made = Transfer::new(&coarse, &FineBox { first, cells: moved.cells, ratio: moved.ratio, follows: None });
+        moved.place(&way);
+        let field = numbers(coarse.len());
+        let [on_moved, on_made] = [&moved, &made].map(|transfer| interpolated(transfer, &field));
+        let points = moved.cells.map(|cells| cells * moved.ratio);
+        let turned = (0..on_made.len()).map(|point| {
+            let (mut rest, mut own, mut stride) = (point, 0, 1);
+            for axis in (0..D).rev() {
+                let along = rest % points[axis];
+                own += (moved.points_in(axis, along / moved.ratio).start + along % moved.ratio) * stride;
+                stride *= points[axis];
+                rest /= points[axis];
+            }
+            own
+        });
+        let turned = turned.collect::<Vec<_>>();
+        assert!(turned.iter().zip(&on_made).all(|(place, expected)| on_moved[*place] == *expected));
+        let mut values = vec![0.0; turned.len()];
+        let given = numbers(turned.len());
+        turned.iter().zip(&given).for_each(|(place, given)| values[*place] = *given);
+        let [found, expected] =
+            [(&moved, &values), (&made, &given)].map(|(of, values)| restricted(of, coarse.len(), values));
+        let largest = found.iter().zip(&expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(largest < 1e-13, "{largest}");
+        moved.for_each_in_box(|point, own| assert!(on_moved[own].is_finite() && point < coarse.len()));
+        // Coefficients move with the box, and keep their sum.
+        let (mut list, before) = (numbers(moved.len()), numbers(moved.len()).iter().sum::<f64>());
+        for (axis, forwards) in [(0, true), (D - 1, false)] {
+            moved.shift(&mut list, axis, forwards, true);
+        }
+        let after = list.iter().sum::<f64>();
+        assert!((after - before).abs() < 1e-12, "{after} of {before}");
+    }
+
+    #[test]
+    fn a_moved_box_is_one_made_there_in_the_plane_and_in_space() {
+        a_moved_box_is_one_made_there::<2>();
+        a_moved_box_is_one_made_there::<3>();
     }
 
     #[test]
