@@ -120,7 +120,11 @@ def test_a_run_with_a_box_that_follows_is_continued_from_its_checkpoint(librarie
     with h5py.File(tmp_path / "whole" / FLUID_FIELDS) as file:
         assert np.array_equal(file["fine_box"][:, 0], low[::20]), "frames say where the box is"
     frames = Frames(tmp_path / "whole")
-    box, solid = frames.fine_box(4)[0], frames.solids(4)[0]
+    (box, *_), solid, fine = frames.fine_box(4), frames.solids(4)[0], frames.fine("u", 4)
+    assert fine is not None and fine.shape == (48, 48), "frames have the cells of the fine box"
+    first = round((low[-1] + 4.0) / 0.25), round((-3.0 + 4.0) / 0.25)
+    shared = frames.field("u", 4)[first[0] : first[0] + 24, first[1] : first[1] + 24]
+    assert np.abs(shared - fine[::2, ::2]).max() < 1e-6, "and the same flow where both have a point"
     assert np.ptp(box, axis=0).tolist() == [6, 6] and box[0, 0] == low[-1]
     assert abs(solid[:, 0].mean() - at[-1]) < 0.05
 

@@ -112,25 +112,40 @@ class View:
         periods: np.ndarray = np.floor(((line.min(axis=0) + line.max(axis=0)) / 2 - low) / (high - low))
         return np.array(line - periods * (high - low))
 
-    def fine_box(self, lows: Sequence[float] | None = None) -> list[np.ndarray]:
-        """Return the outlines of the fine box in the picture, m, each `[4, 2]`: two where it reaches over a side of the
-        periodic box. `lows` has its lower ends, m, if it moves."""
-        box, fine = self.fluid.box, self.fluid.fine_box
-        if fine is None:
-            return []
-        ends = {}
-        for i, name in enumerate("xyz"[: len(box.cells)]):
+    def fine_ends(self, lows: Sequence[float] | None = None) -> list[tuple[float, float]]:
+        """Return the ends of the fine box along each axis, m, moved by whole periods so that it begins in the box; none
+        without one. `lows` has its lower ends, m, if it moves."""
+        box, fine, ends = self.fluid.box, self.fluid.fine_box, []
+        for i, name in enumerate("xyz"[: len(box.cells)] if fine else ""):
             (low, high), own = getattr(box, name), getattr(fine, name)
             cell = (high - low) / box.cells[i]
             begin, end = (low + cell * np.round((np.array(own) - low) / cell)).tolist()
             if lows is not None:
                 begin, end = lows[i], lows[i] + end - begin
-            begin, end = (at - (high - low) * np.floor((begin - low) / (high - low)) for at in (begin, end))
-            ends[name] = [(begin, end), (begin - high + low, end - high + low)][: 1 + (end > high)]
-        if self.plane and not any(a <= self.plane.place <= b for a, b in ends["xyz"[self.plane.normal]]):
+            periods = (high - low) * float(np.floor((begin - low) / (high - low)))
+            ends.append((begin - periods, end - periods))
+        return ends
+
+    def fine_box(self, lows: Sequence[float] | None = None) -> list[np.ndarray]:
+        """Return the outlines of the fine box in the picture, m, each `[4, 2]`, see `fine_ends`: two where it reaches
+        over a side of the periodic box."""
+        ends = self.fine_ends(lows)
+        if not ends or (self.plane and self.fine_number(ends) is None):
             return []
-        along, up = (ends[name] for name in self.names)
-        return [np.array([(a, c), (b, c), (b, d), (a, d)]) for a, b in along for c, d in up]
+        across = []
+        for axis, (low, high) in zip(self.axes, self.ends, strict=True):
+            begin, end = ends[axis]
+            across.append([(begin, end), (begin - high + low, end - high + low)][: 1 + (end > high)])
+        return [np.array([(a, c), (b, c), (b, d), (a, d)]) for a, b in across[0] for c, d in across[1]]
+
+    def fine_number(self, ends: list[tuple[float, float]]) -> int | None:
+        """Return the number of the fine points in a slice; None where it misses the fine box."""
+        assert self.plane and self.fluid.fine_box, "a slice has a plane"
+        axis = self.plane.normal
+        (low, high), (begin, end) = getattr(self.fluid.box, "xyz"[axis]), ends[axis]
+        cell = (high - low) / self.fluid.box.cells[axis] / self.fluid.fine_box.ratio
+        number = round((self.plane.place - begin) % (high - low) / cell)
+        return number if number < round((end - begin) / cell) else None
 
     @property
     def sponge(self) -> tuple[float, float] | None:
@@ -209,11 +224,20 @@ class Picture:
         look: dict[str, Any] = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": "x-small", "color": "0.35"}
         self.axis.annotate("sponge", (begin, 0), (-1, 3), ("data", "axes fraction"), "offset points", **look)
 
-    def show(self, field: np.ndarray, solids: Solids, boxes: Solids = ()) -> None:
-        """Show a vorticity `field` (1/s) in the view, `[n, m]`, and over it the outlines of the fine box and the
-        solids."""
+    def show(self, field: np.ndarray, solids: Solids, boxes: Solids = (), fine: np.ndarray | None = None) -> None:
+        """Show a vorticity `field` (1/s) in the view, `[n, m]`, in the fine box that of its own cells, `fine`, and over
+        it the outlines of the box and the solids."""
         along, up = self.view.ends
-        self.image.set_data(resample(resample(field, along, self.x).T, up, self.y))
+        values = resample(resample(field, along, self.x).T, up, self.y)
+        if fine is not None:
+            for (left, bottom), _, (right, top), _ in boxes:
+                inside = (self.y >= bottom) & (self.y < top), (self.x >= left) & (self.x < right)
+                up_to, along_to = (
+                    (self.y[inside[0]] - bottom) / (top - bottom),
+                    (self.x[inside[1]] - left) / (right - left),
+                )
+                values[np.ix_(*inside)] = between(between(fine, along_to).T, up_to)
+        self.image.set_data(values)
         for patch in self.patches:
             patch.remove()
         look: dict[str, Any] = {"facecolor": SOLID, "edgecolor": EDGE}
@@ -260,6 +284,15 @@ def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> n
     weight = np.where(order == 0, 1.0, 2.0) * sigma(n) / n
     waves = weight * np.exp(2j * np.pi * np.outer((places - begin) / (end - begin), order))
     found: np.ndarray = (waves @ np.fft.rfft(values, axis=0)).real
+    return found
+
+
+def between(values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return `values` along the first axis at `places`, 0 at the first and 1 a step behind the last, linear between."""
+    at = places * len(values)
+    below = np.clip(at.astype(int), 0, len(values) - 2)
+    share = (at - below)[:, None]
+    found: np.ndarray = (1 - share) * values[below] + share * values[below + 1]
     return found
 
 
