@@ -56,12 +56,12 @@ where
     /// Return a velocity component on [`Self::grid_of_bodies`], m/s.
     pub fn fine_velocity(&self, axis: usize) -> Vec<f64> {
         let [own, _] = self.solver.velocities(axis);
-        self.from_low_end(&own)
+        self.order_from_low_end(&own)
     }
 
     /// Return a vorticity component on the same grid, 1/s.
     pub fn fine_vorticity(&self, component: usize) -> Vec<f64> {
-        self.from_low_end(&self.solver.own_vorticity(component))
+        self.order_from_low_end(&self.solver.own_vorticity(component))
     }
 
     /// Return the static pressure on the same grid, Pa.
@@ -70,11 +70,11 @@ where
         self.solver.read_pressure(&self.present, &mut self.problem, &mut |_, at| {
             pressure.iter_mut().enumerate().for_each(|(point, pressure)| *pressure = density * at(point));
         });
-        self.from_low_end(&pressure)
+        self.order_from_low_end(&pressure)
     }
 
     /// Return what is given at the periodic points of the bodies' grid in their order from its lower end on.
-    fn from_low_end(&self, values: &[f64]) -> Vec<f64> {
+    fn order_from_low_end(&self, values: &[f64]) -> Vec<f64> {
         let (Grid { cells, spacing, .. }, way) = (&self.problem.grid, self.solver.way());
         let moved = |axis: usize| ((way[axis] / spacing[axis]).round() as i64).rem_euclid(cells[axis] as i64) as usize;
         let moved: [_; D] = std::array::from_fn(moved);

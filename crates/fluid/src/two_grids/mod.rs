@@ -138,7 +138,7 @@ where
         let Self { coarse: Coarse { background: Background { transfer, .. }, .. }, damping, window, .. } = self;
         for (axis, (damping, window)) in damping.iter_mut().zip(window).enumerate() {
             for (point, (damping, window)) in damping.iter_mut().zip(window).enumerate() {
-                let distance = transfer.from_end(axis, point);
+                let distance = transfer.distance_from_end(axis, point);
                 *damping = smooth_step(distance / RIM);
                 *window = 1.0 - smooth_step((distance - RIM) / GROWTH);
             }

@@ -271,7 +271,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return how many coarse points along an axis a point lies behind the lower end of the box.
-    fn from_first(&self, axis: usize, point: usize) -> usize {
+    fn points_behind(&self, axis: usize, point: usize) -> usize {
         let first = self.places[axis][1 + REACH];
         if point >= first { point - first } else { point + self.coarse[axis] - first }
     }
@@ -280,7 +280,7 @@ impl<const D: usize> Transfer<D> {
     fn in_box(&self, point: usize) -> Option<usize> {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
-            let from_first = self.from_first(axis, rest % self.coarse[axis]);
+            let from_first = self.points_behind(axis, rest % self.coarse[axis]);
             if from_first >= self.cells[axis] {
                 return None;
             }
@@ -298,7 +298,7 @@ impl<const D: usize> Transfer<D> {
             let start = row * length;
             let own = self.in_box(start + first).map(|own| own - self.points_in(D - 1, 0).start);
             for point in start.max(points.start)..(start + length).min(points.end) {
-                let from_first = self.from_first(D - 1, point - start);
+                let from_first = self.points_behind(D - 1, point - start);
                 let inside = own.filter(|_| from_first < self.cells[D - 1]);
                 visit(point, inside.map(|own| own + self.points_in(D - 1, from_first).start));
             }
@@ -434,7 +434,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return the distance of a fine point along an axis from the nearest end of the fine box, coarse cells.
-    pub fn from_end(&self, axis: usize, point: usize) -> f64 {
+    pub fn distance_from_end(&self, axis: usize, point: usize) -> f64 {
         let from_low = self.cell(axis, point) * self.ratio + point % self.ratio;
         from_low.min(self.cells[axis] * self.ratio - from_low) as f64 / self.ratio as f64
     }
