@@ -165,17 +165,25 @@ where
         solver.advance(t, h)
     }
 
-    /// Return the values of a field at the points of the grid, in SI units; none of an unknown name.
-    pub fn field(&mut self, name: &str) -> Option<Vec<f64>> {
-        let about = ["vorticity_x", "vorticity_y", "vorticity"].iter().position(|known| *known == name);
-        let along = ["u", "v", "w"].iter().position(|known| *known == name).filter(|axis| *axis < D);
+    /// Return the number of cells along each axis and the values of a field there, in SI units; none of an unknown name.
+    /// With `fine.` in front of the name they are those of the fine box.
+    pub fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
         let solver = self.solver_mut();
-        match (name, about, along) {
-            ("p", ..) => Some(solver.pressure()),
-            (_, Some(about), _) if D == 3 => Some(solver.vorticity(about).into_owned()),
-            (_, Some(2), _) => Some(solver.vorticity(0).into_owned()),
-            (_, _, Some(axis)) => Some(solver.velocity(axis).into_owned()),
-            _ => None,
-        }
+        let (name, is_fine) = name.strip_prefix("fine.").map_or((name, false), |name| (name, true));
+        let about = ["vorticity_x", "vorticity_y", "vorticity"].iter().position(|known| *known == name);
+        let about = about.and_then(|about| if D == 3 { Some(about) } else { about.checked_sub(2) });
+        let along = ["u", "v", "w"].iter().position(|known| *known == name).filter(|axis| *axis < D);
+        let values = match (is_fine, about, along) {
+            (true, ..) if !solver.has_fine_box() => return None,
+            (true, Some(about), _) => solver.fine_vorticity(about),
+            (true, _, Some(axis)) => solver.fine_velocity(axis),
+            (true, ..) if name == "p" => solver.fine_pressure(),
+            (false, Some(about), _) => solver.vorticity(about).into_owned(),
+            (false, _, Some(axis)) => solver.velocity(axis).into_owned(),
+            (false, ..) if name == "p" => solver.pressure(),
+            _ => return None,
+        };
+        let cells = if is_fine { solver.grid_of_bodies().cells } else { solver.grid().cells };
+        Some((cells.to_vec(), values))
     }
 }

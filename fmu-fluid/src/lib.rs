@@ -38,7 +38,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 6;
+    const STATE_LAYOUT: u32 = 7;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
@@ -100,9 +100,10 @@ impl Model for FluidUnit {
     }
 
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
-    /// `vorticity_x`, `vorticity_y`, and the component along z as `vorticity`.
+    /// `vorticity_x`, `vorticity_y`, and the component along z as `vorticity`. With `fine.` in front they are those in the
+    /// fine box.
     fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
-        either!(&mut self.flow, flow => Some((flow.cells().to_vec(), flow.field(name)?)))
+        either!(&mut self.flow, flow => flow.field(name))
     }
 }
 

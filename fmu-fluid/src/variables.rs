@@ -136,6 +136,12 @@ where
         for (k, names) in names.iter().enumerate() {
             list.exchange(names, k);
         }
+        if unit.scene.followed().is_some() {
+            for (axis, along) in AXES.into_iter().enumerate().take(D) {
+                let text = format!("Lower end of the fine box along {along}");
+                list.output(format!("fine_box.{along}"), "m", text, move |fluid| fluid.grid_of_bodies().low()[axis]);
+            }
+        }
         for (k, probe) in part.probes.iter().enumerate() {
             list.probe(&probe.name, &probe.position, k);
         }

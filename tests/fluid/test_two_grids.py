@@ -4,12 +4,16 @@ import copy
 import json
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
 from nervure import api, load
 from nervure.errors import SceneError
+from nervure.output.animation import Frames
+from nervure.output.flow import View
 from nervure.scene import validate
+from nervure.simulation.results import FLUID_FIELDS
 from tests.conftest import nervure
 
 SCENE: dict[str, Any] = {
@@ -60,24 +64,76 @@ def test_a_flag_without_mass_moves_on_two_grids_as_on_one(libraries, tmp_path):
         assert abs(found / expected - 1) < 0.03, f"{name}: {found} beside {expected}"
 
 
+def driven(end: float = 1.0) -> dict:
+    """Return a scene with a cylinder that moves at 1 m/s along x and a fine box that follows it."""
+    scene = changed(
+        initial_velocity=[0.0, 0.0],
+        mean_flow=None,
+        sponge=None,
+        fine_box={"x": [-3.0, 3.0], "y": [-3.0, 3.0], "ratio": 2, "follow": "body[1]"},
+        bodies=[
+            {
+                "shape": {"circle": {"radius": 0.5}},
+                "position": [0.0, 0.0],
+                "motion": {"x": {"table": {"times": [0.0, 9.0], "values": [0.0, -9.0]}}},
+            }
+        ],
+        probes=[{"name": "far", "position": [6.0, 0.0]}],
+    )
+    return {key: part for key, part in scene.items() if key not in ("beam", "rod")} | {
+        "time": scene["time"] | {"end": end}
+    }
+
+
+@pytest.mark.parametrize("scene", (SCENE, driven()), ids=("still", "follows"))
 @pytest.mark.parametrize("version", (2, 3))
-def test_a_unit_on_two_grids_goes_back_and_on_in_another_instance(version, instantiate):
-    unit, other = (instantiate(SCENE, version=version)["fluid"] for _ in range(2))
+def test_a_unit_on_two_grids_goes_back_and_on_in_another_instance(version, scene, instantiate):
+    unit, other = (instantiate(scene, version=version)["fluid"] for _ in range(2))
     for own in (unit, other):
         own.start()
-    for step in range(6):
+    # The box of the second scene moves before and after.
+    for step in range(18):
         unit.step(step * 0.0125, 0.0125)
     other.deserialize(unit.serialize())
     unit.save()
     shown = []
     for own in (unit, other, unit):
-        for step in range(6, 12):
+        for step in range(18, 40):
             own.step(step * 0.0125, 0.0125)
         fields = [own.field(name) for name in ("u", "v", "p", "vorticity")]
         assert all(field.shape == (48, 32) for field in fields), "fields have the cells of the large box"
         shown.append(np.concatenate([own.outputs, *map(np.ravel, fields)]))
         unit.restore()
     assert np.array_equal(shown[0], shown[1]) and np.array_equal(shown[0], shown[2])
+
+
+def test_a_run_with_a_box_that_follows_is_continued_from_its_checkpoint(libraries, tmp_path):
+    whole = api.run(validate(driven(1.0)), tmp_path / "whole", fields_every=0.25, quiet=True)
+    api.run(validate(driven(0.5)), tmp_path / "parts", checkpoint_every=1.0, quiet=True)
+    parts = api.resume(tmp_path / "parts", end_time=1.0, quiet=True)
+    for name, values in whole.series.items():
+        # The last step of a part is not to the last bit as long as the others.
+        difference = np.abs(values - parts.series[name]).max()
+        assert difference < 1e-11, f"{name}: {difference}"
+    low, at = (whole.series[name] for name in ("fine_box_x", "body_1_x"))
+    assert low[0] == -3.0 and np.all(np.abs(at - low - 3.0) < 0.25), "the box is within a cell of its body"
+    with h5py.File(tmp_path / "whole" / FLUID_FIELDS) as file:
+        assert np.array_equal(file["fine_box"][:, 0], low[::20]), "frames say where the box is"
+    frames = Frames(tmp_path / "whole")
+    (box, *_), solid, fine = frames.fine_box(4), frames.solids(4)[0], frames.fine("u", 4)
+    assert fine is not None and fine.shape == (48, 48), "frames have the cells of the fine box"
+    first = round((low[-1] + 4.0) / 0.25), round((-3.0 + 4.0) / 0.25)
+    shared = frames.field("u", 4)[first[0] : first[0] + 24, first[1] : first[1] + 24]
+    assert np.abs(shared - fine[::2, ::2]).max() < 1e-6, "and the same flow where both have a point"
+    assert np.ptp(box, axis=0).tolist() == [6, 6] and box[0, 0] == low[-1]
+    assert abs(solid[:, 0].mean() - at[-1]) < 0.05
+
+
+def test_a_box_that_goes_through_a_side_is_drawn_on_both():
+    view = View(validate(driven()))
+    boxes, solids = view.fine_box([-18.0, -3.0]), view.outlines([], [[-15.0, 0.0, 0.0]])
+    ends = sorted((box[0, 0], box[1, 0]) for box in boxes)
+    assert ends == [(-6.0, 0.0), (6.0, 12.0)] and abs(solids[0][:, 0].mean() + 3.0) < 0.05, ends
 
 
 def test_inspect_shows_the_cells_of_both(libraries, tmp_path):
@@ -99,7 +155,8 @@ FINE = SCENE["fluid"]["fine_box"]
         ({"fine_box": FINE | {"x": [-2.0, 7.0]}}, ["fluid.fine_box.x", "into the sponge"]),
         ({"fine_box": FINE | {"z": [-2.0, 2.0]}}, ["fluid.fine_box.z", "axes of `box`"]),
         ({"channel": {"y": [-1.5, 3.0]}}, ["fluid.fine_box.y", "between the walls"]),
-        ({"probes": [{"name": "far", "position": [5.0, 0.0]}]}, ["fluid.probes[0].position", "must lie in it"]),
+        ({"fine_box": FINE | {"follow": "body[1]"}}, ["fluid.fine_box.follow", "it must be one of `beam`"]),
+        ({"fine_box": {"x": [-2.0, 3.0], "y": [-2.0, 2.0], "follow": "beam"}}, ["beam.root", "rim of `fine_box`"]),
         (
             {"bodies": [{"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 1.5]}]},
             ["fluid.bodies[0].position", "rim of `fine_box`"],

@@ -30,20 +30,31 @@ where
 }
 
 impl<R: Real, const D: usize> Flow<R, D> {
-    fn fields(&self) -> impl Iterator<Item = &Field<R>> {
+    /// Return the fields: velocity, then vorticity.
+    pub fn fields(&self) -> impl Iterator<Item = &Field<R>> {
         self.velocity.iter().chain(&self.vorticity)
+    }
+
+    /// Return the fields, to be changed.
+    pub fn fields_mut(&mut self) -> impl Iterator<Item = &mut Field<R>> {
+        self.velocity.iter_mut().chain(&mut self.vorticity)
     }
 
     /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
-        let own = self.velocity.iter_mut().chain(&mut self.vorticity);
-        own.zip(other.fields()).for_each(|(own, other)| own.copy_from_slice(other));
+        self.fields_mut().zip(other.fields()).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has the same size.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         self.vorticity.len() == other.vorticity.len()
             && self.fields().zip(other.fields()).all(|(own, other)| own.len() == other.len())
+    }
+
+    /// Return the velocity interpolated by grid points and weights, m/s.
+    pub fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
+        let component = |u: &[R]| weights.iter().map(|&(point, weight)| weight * u[point].to_f64()).sum();
+        self.velocity.each_ref().map(|u| component(u))
     }
 
     /// Return the velocity at a grid point, m/s.

@@ -46,6 +46,7 @@ where
     pub(crate) solver: Box<dyn FluidSolver<D>>,
     pub(crate) density: f64,
     pub(crate) probes: Vec<Probe>,
+    pub(crate) probe_places: Vec<[f64; D]>,
     /// Reference of the pressure around the beams; absent if that pressure is not wanted.
     pub(crate) outlet: Option<Outlet>,
     pub(crate) pressures: Cached<Pressures>,
@@ -128,10 +129,11 @@ where
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
         let mut fluid = Self {
-            solver: <[f64; D]>::new_solver(parameters),
+            solver: <[f64; D]>::new_solver(parameters, &problem),
             grid: parameters.grid(),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
+            probe_places: parameters.probes.clone(),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
             outlet,
             motion: Motion {
@@ -188,13 +190,14 @@ where
     /// Return the number of cells, of both grids.
     fn cells(&self) -> usize {
         let (own, bodies) = (self.grid.len(), self.problem.grid.len());
-        if self.grid.cells == self.problem.grid.cells { own } else { own + bodies }
+        if self.has_fine_box() { own + bodies } else { own }
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
     pub fn start_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
+        self.solver.place_grid(None, &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
     }
 
@@ -204,7 +207,7 @@ where
         self.solver.start(&|grid: &Grid<D>, index| velocity(grid.point(index)), &mut self.present, &mut self.problem);
     }
 
-    /// Continue the flow of another fluid on the same grid, with the same flexible and carried bodies and perhaps other
+    /// Continue the flow of another fluid on the same grids, with the same flexible and carried bodies and perhaps other
     /// rigid ones: its time, its velocity, and its flexible bodies with their loads.
     ///
     /// # Errors
@@ -212,7 +215,7 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.grid.cells == other.grid.cells && self.cells() == self.grid.len()),
+            ("a field", self.grid.cells == other.grid.cells && self.problem.grid.cells == other.problem.grid.cells),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -226,8 +229,12 @@ where
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
         self.start_at(known.time);
         self.pressures.invalidate();
-        let velocity: [_; D] = std::array::from_fn(|axis| other.velocity(axis));
-        let at = |_: &Grid<D>, point: usize| velocity.each_ref().map(|u| u[point]);
+        self.solver.place_grid(Some(other.solver.way()), &self.present, &self.problem);
+        let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
+        let at = |grid: &Grid<D>, point: usize| {
+            let on_domain = usize::from(grid.spacing == other.grid.spacing);
+            velocities.each_ref().map(|on_grids| on_grids[on_domain][point])
+        };
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())
     }
@@ -242,7 +249,7 @@ where
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.problem.timer.start();
         self.limits.check(t, h)?;
-        let grid = &self.problem.grid;
+        let grid = &self.grid_of_bodies();
         self.limits.check_stations(&self.contours, &self.motion.target, grid)?;
         let carried = self.problem.bodies.carried().map(|(_, rigid)| rigid);
         self.limits.check_displacements(carried, &self.motion.displaced_to, grid)?;
@@ -370,7 +377,8 @@ where
         if let Some(part) = state.present.misfit(&self.present) {
             return Err(Error::State(part));
         }
-        self.limits.check_stations(&self.contours, &state.present.flexible.stations, &self.problem.grid)?;
+        let grid = self.problem.grid.moved(&self.solver.way_in(&state.fields));
+        self.limits.check_stations(&self.contours, &state.present.flexible.stations, &grid)?;
         self.solver.restore(&state.fields)?;
         self.present.copy_from(&state.present);
         Stations::copy_all(&mut self.motion.target, &self.present.flexible.stations);

@@ -9,7 +9,7 @@ use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
-use crate::parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
+use crate::parameters::{Body, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
 
@@ -68,7 +68,13 @@ where
         fine_box: fluid.fine_box.as_ref().map(|fine| {
             let places = fine.places(&fluid.r#box);
             let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
-            FineBox { first, cells, ratio: fine.ratio }
+            let follows = scene.followed().map(|part| match part {
+                scene::Followed::Cylinder(k) => Followed::Rigid(k),
+                scene::Followed::Body(k) => Followed::Rigid(fluid.cylinders.len() + k),
+                scene::Followed::Beam(k) => Followed::Flexible(k),
+                scene::Followed::Wing => Followed::Flexible(scene.beams().count()),
+            });
+            FineBox { first, cells, ratio: fine.ratio, follows }
         }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,

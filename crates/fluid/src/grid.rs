@@ -65,6 +65,23 @@ impl<const D: usize> Grid<D> {
         point
     }
 
+    /// Return the grid moved by a way, m.
+    pub fn moved(&self, way: &[f64; D]) -> Self {
+        Self { origin: std::array::from_fn(|axis| self.origin[axis] + way[axis]), ..*self }
+    }
+
+    /// Return the grid moved by whole periods so that a point lies in the period from `low` (m) on.
+    pub fn image(&self, index: usize, low: &[f64; D]) -> Self {
+        let point = self.point(index);
+        let periods = |axis: usize| ((low[axis] - point[axis]) / self.size[axis] - 1e-9).ceil() * self.size[axis];
+        self.moved(&std::array::from_fn(periods))
+    }
+
+    /// Return the coordinates of the first point, m.
+    pub fn low(&self) -> [f64; D] {
+        self.origin
+    }
+
     /// Return the shortest distance (m) along an axis that is periodically the same as `delta`.
     pub fn periodic(&self, axis: usize, delta: f64) -> f64 {
         delta - self.size[axis] * (delta / self.size[axis]).round()

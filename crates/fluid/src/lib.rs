@@ -54,7 +54,7 @@ pub use geometry::plane::Outline;
 pub use geometry::space::Solid;
 pub use grid::Grid;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
-pub use parameters::{Body, Extent, FineBox, Flexible, Law, Motion, Mount, Parameters, Zone};
+pub use parameters::{Body, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
 pub use space::{Kinematics, Space, Spin, Turn};

@@ -10,6 +10,12 @@ use crate::pressures::{PressurePlaces, Pressures};
 use crate::solver::Solvable;
 use crate::stations::{Loads, Stations};
 
+/// A probe on two grids: whether it is in the fine box, and the points there or of the domain with their weights.
+struct OnGrids {
+    in_box: bool,
+    around: Vec<(usize, f64)>,
+}
+
 impl<const D: usize> Fluid<D>
 where
     [f64; D]: Solvable<D>,
@@ -19,9 +25,9 @@ where
         &self.grid
     }
 
-    /// Return the grid with the bodies: that of the fine box, or of the domain.
-    pub fn grid_of_bodies(&self) -> &Grid<D> {
-        &self.problem.grid
+    /// Return the grid with the bodies: that of the domain, or of the fine box where it is now.
+    pub fn grid_of_bodies(&self) -> Grid<D> {
+        self.problem.grid.moved(&self.solver.way())
     }
 
     /// Return the time, s.
@@ -47,9 +53,73 @@ where
         pressure
     }
 
+    /// Return a velocity component on [`Self::grid_of_bodies`], m/s.
+    pub fn fine_velocity(&self, axis: usize) -> Vec<f64> {
+        let [own, _] = self.solver.velocities(axis);
+        self.order_from_low_end(&own)
+    }
+
+    /// Return a vorticity component on the same grid, 1/s.
+    pub fn fine_vorticity(&self, component: usize) -> Vec<f64> {
+        self.order_from_low_end(&self.solver.own_vorticity(component))
+    }
+
+    /// Return the static pressure on the same grid, Pa.
+    pub fn fine_pressure(&mut self) -> Vec<f64> {
+        let (density, mut pressure) = (self.density, vec![0.0; self.problem.grid.len()]);
+        self.solver.read_pressure(&self.present, &mut self.problem, &mut |_, at| {
+            pressure.iter_mut().enumerate().for_each(|(point, pressure)| *pressure = density * at(point));
+        });
+        self.order_from_low_end(&pressure)
+    }
+
+    /// Return what is given at the periodic points of the bodies' grid in their order from its lower end on.
+    fn order_from_low_end(&self, values: &[f64]) -> Vec<f64> {
+        let (Grid { cells, spacing, .. }, way) = (&self.problem.grid, self.solver.way());
+        let moved = |axis: usize| ((way[axis] / spacing[axis]).round() as i64).rem_euclid(cells[axis] as i64) as usize;
+        let moved: [_; D] = std::array::from_fn(moved);
+        let place = |point: usize| {
+            let (mut rest, mut own, mut stride) = (point, 0, 1);
+            for axis in (0..D).rev() {
+                own += (rest + moved[axis]) % cells[axis] * stride;
+                (rest, stride) = (rest / cells[axis], stride * cells[axis]);
+            }
+            own
+        };
+        (0..values.len()).map(|point| values[place(point)]).collect()
+    }
+
     /// Return the velocity at a probe, numbered from 0, m/s.
     pub fn probe_velocity(&self, probe: usize) -> [f64; D] {
-        self.solver.velocity_by(&self.probes[probe].around)
+        match self.probe_on_grids(probe) {
+            None => self.solver.velocity_by(&self.probes[probe].around),
+            Some(OnGrids { in_box: true, around }) => self.solver.velocity_by(&around),
+            Some(OnGrids { around, .. }) => self.solver.coarse_velocity_by(&around),
+        }
+    }
+
+    /// Return the place of a probe on two grids; none on one.
+    fn probe_on_grids(&self, probe: usize) -> Option<OnGrids> {
+        let (position, fine) = (self.probe_places[probe], self.grid_of_bodies());
+        if !self.has_fine_box() {
+            return None;
+        }
+        let low = fine.low();
+        let image =
+            std::array::from_fn(|axis| low[axis] + (position[axis] - low[axis]).rem_euclid(self.grid.size[axis]));
+        let is_inside = |axis: usize| {
+            let cells = (image[axis] - low[axis]) / fine.spacing[axis];
+            1.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
+        };
+        let in_box = (0..D).all(is_inside);
+        let around =
+            if in_box { self.problem.grid.cubic_interpolation(image) } else { self.grid.cubic_interpolation(position) };
+        Some(OnGrids { in_box, around })
+    }
+
+    /// Return whether there are two grids.
+    pub fn has_fine_box(&self) -> bool {
+        self.grid.spacing != self.problem.grid.spacing
     }
 
     /// Return the static pressure at a probe, Pa. The first pressure after a step takes transforms.
@@ -181,6 +251,12 @@ where
     }
 
     fn pressures(&mut self) -> &Pressures {
+        let on_grids: Vec<_> = if self.pressures.is_current() {
+            vec![]
+        } else {
+            (0..self.probes.len()).filter_map(|k| Some((k, self.probe_on_grids(k)?))).collect()
+        };
+        let moved = self.solver.way() != [0.0; D];
         let Self { problem, present, solver, density, probes, outlet, pressures, .. } = self;
         pressures.get(|pressures| {
             solver.read_pressure(present, problem, &mut |problem, at| {
@@ -188,7 +264,18 @@ where
                 let (outlet, thin) = (outlet.as_ref(), &present.flexible.jump);
                 let density = *density;
                 PressurePlaces { grid, density, probes, outlet, beams, stations, thin }.read(at, pressures);
+                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| probe.in_box && moved) {
+                    pressures.probes[*k] =
+                        density * around.iter().map(|&(point, share)| share * at(point)).sum::<f64>();
+                }
             });
+            if on_grids.iter().any(|(_, probe)| !probe.in_box) {
+                let all = solver.pressure(present, problem);
+                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| !probe.in_box) {
+                    pressures.probes[*k] =
+                        *density * around.iter().map(|&(point, share)| share * all[point]).sum::<f64>();
+                }
+            }
         })
     }
 

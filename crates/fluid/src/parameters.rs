@@ -81,6 +81,17 @@ pub struct FineBox<const D: usize = 2> {
     pub cells: [usize; D],
     /// Fine cells in a coarse one along an axis.
     pub ratio: usize,
+    /// Body that it follows by whole coarse cells; absent: it stays.
+    pub follows: Option<Followed>,
+}
+
+/// A body, by its number among those of its kind.
+#[derive(Clone, Copy, Debug)]
+pub enum Followed {
+    /// The centroid of a rigid body.
+    Rigid(usize),
+    /// The mean of the nodes of a flexible one.
+    Flexible(usize),
 }
 
 impl<const D: usize> FineBox<D> {
@@ -337,13 +348,31 @@ where
                 return refuse(format!("reaches along x from {low:.6e} to {high:.6e} m, into {zone}"));
             }
         }
-        for (number, probe) in self.probes.iter().enumerate() {
-            let is_inside = |axis: usize| probe[axis] >= ends(axis)[0] && probe[axis] < ends(axis)[1];
-            if !(0..D).all(is_inside) {
-                return refuse(format!("must have all probes in it, but probe {} at {probe:?} m is not", number + 1));
-            }
+        let known = match fine.follows {
+            None => true,
+            Some(Followed::Rigid(body)) => body < self.bodies.len(),
+            Some(Followed::Flexible(body)) => self.flexible.get(body).is_some_and(|body| !body.nodes.is_empty()),
+        };
+        if !known {
+            return refuse("follows a body that does not exist".into());
         }
         Ok(())
+    }
+
+    /// Return the coarse cells by which a fine box may move back and forth along an axis, between walls and zones.
+    pub(crate) fn range_of_fine_box(&self, fine: &FineBox<D>, axis: usize) -> [f64; 2] {
+        let (grid, own) = (self.grid(), fine.grid(&self.grid()));
+        let (spacing, size) = (grid.spacing[axis], grid.size[axis]);
+        let [low, high] = [0.0, own.size[axis]].map(|of| own.coordinate(axis, 0) + of);
+        let zones = [&self.inflow, &self.sponge].into_iter().flatten().filter(|_| axis == 0);
+        // What lies from one end to the other, periodically, the box may not enter.
+        let walls = self.walls[axis].map(|[from, to]| [to, from + size]);
+        let closed = zones.map(|zone| zone.x).chain(walls);
+        closed.fold([f64::NEG_INFINITY, f64::INFINITY], |[back, forth], [from, to]| {
+            // Whole cells of a gap that is less than a period.
+            let cells = |gap: f64| ((gap / spacing + 1e-6).rem_euclid(size / spacing)).floor();
+            [back.max(-cells(low - to)), forth.min(cells(from - high))]
+        })
     }
 
     fn check_body(&self, body: &Body<D>) -> Result<(), Error> {

@@ -3,7 +3,7 @@
 use crate::bodies::{Bodies, Cell, Placement};
 use crate::force::BodyForce;
 use crate::grid::Grid;
-use crate::parameters::{Law, Parameters};
+use crate::parameters::{Followed, Law, Parameters};
 use crate::present::Present;
 use crate::space::{Space, Vector};
 use crate::stations::Stations;
@@ -57,6 +57,14 @@ where
     /// Put the thin bodies to `stations` and to the places of the rigid bodies.
     pub fn place_thin(&mut self, stations: &[Stations<D>]) {
         self.thin.place(stations, &self.bodies.rigid, &self.grid);
+    }
+
+    /// Return the place of a body that the fine box follows, m.
+    pub fn place_of(&self, body: Followed, stations: &[Stations<D>]) -> Vector<D> {
+        match body {
+            Followed::Rigid(body) => self.bodies.rigid[body].pose.position + self.bodies.rigid[body].centroid(),
+            Followed::Flexible(body) => stations[body].middle(),
+        }
     }
 
     /// Return the prescribed mean velocity at a time (s), m/s; none if it is free.

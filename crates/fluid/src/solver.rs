@@ -29,6 +29,15 @@ where
     /// Start from the divergence-free part of a velocity.
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
+    /// Put the bodies' grid to where they are, or by a way (m) from where it began, before the first step.
+    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>);
+
+    /// Return the way that the bodies' grid has moved, m.
+    fn way(&self) -> [f64; D];
+
+    /// Return the same of fields that [`Self::check`] accepts.
+    fn way_in(&self, fields: &ByPrecision<D>) -> [f64; D];
+
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64>;
 
@@ -50,11 +59,20 @@ where
     /// Return a velocity component, m/s; in single precision a copy.
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]>;
 
+    /// Return a velocity component on the grid of the bodies, m/s, and that of the coarse flow; the same on one grid.
+    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2];
+
+    /// Return a vorticity component on the grid of the bodies, 1/s.
+    fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]>;
+
     /// Return a vorticity component, 1/s; in single precision a copy.
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]>;
 
-    /// Return the velocity interpolated by grid points and weights, m/s.
+    /// Return the velocity interpolated by points of the bodies' grid and weights, m/s.
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
+
+    /// Return the same by points of the domain, of the coarse flow if there are two.
+    fn coarse_velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
 
     /// Return the sum of the velocity along x over some points of the domain, m/s.
     fn sum_of_u(&self, points: Range<usize>) -> f64;
@@ -80,17 +98,17 @@ where
 
 /// A number of dimensions for which there are solvers.
 pub trait Solvable<const D: usize>: Space<D> {
-    /// Make the solver of the wanted scheme and precision; space has one scheme.
-    fn new_solver(parameters: &Parameters<D>) -> Box<dyn FluidSolver<D>>
+    /// Make the solver of the wanted scheme and precision for a problem at t = 0; space has one scheme.
+    fn new_solver(parameters: &Parameters<D>, problem: &Problem<D>) -> Box<dyn FluidSolver<D>>
     where
         [f64; D]: Space<D>;
 }
 
 impl Solvable<2> for [f64; 2] {
-    fn new_solver(parameters: &Parameters) -> Box<dyn FluidSolver<2>> {
+    fn new_solver(parameters: &Parameters, problem: &Problem<2>) -> Box<dyn FluidSolver<2>> {
         match (parameters.scheme, parameters.precision) {
-            (TimeScheme::Sbdf2, Precision::Double) => sbdf2::<f64, PlaneTransforms<f64>, 2>(parameters),
-            (TimeScheme::Sbdf2, Precision::Single) => sbdf2::<f32, PlaneTransforms<f32>, 2>(parameters),
+            (TimeScheme::Sbdf2, Precision::Double) => sbdf2::<f64, PlaneTransforms<f64>, 2>(parameters, problem),
+            (TimeScheme::Sbdf2, Precision::Single) => sbdf2::<f32, PlaneTransforms<f32>, 2>(parameters, problem),
             (TimeScheme::Rk2, Precision::Double) => rk2::<f64>(parameters),
             (TimeScheme::Rk2, Precision::Single) => rk2::<f32>(parameters),
         }
@@ -98,10 +116,10 @@ impl Solvable<2> for [f64; 2] {
 }
 
 impl Solvable<3> for [f64; 3] {
-    fn new_solver(parameters: &Parameters<3>) -> Box<dyn FluidSolver<3>> {
+    fn new_solver(parameters: &Parameters<3>, problem: &Problem<3>) -> Box<dyn FluidSolver<3>> {
         match parameters.precision {
-            Precision::Double => sbdf2::<f64, VolumeTransforms<f64>, 3>(parameters),
-            Precision::Single => sbdf2::<f32, VolumeTransforms<f32>, 3>(parameters),
+            Precision::Double => sbdf2::<f64, VolumeTransforms<f64>, 3>(parameters, problem),
+            Precision::Single => sbdf2::<f32, VolumeTransforms<f32>, 3>(parameters, problem),
         }
     }
 }
@@ -115,6 +133,7 @@ where
 
 fn sbdf2<R: Stored, T: Transforms<R, D> + 'static, const D: usize>(
     parameters: &Parameters<D>,
+    problem: &Problem<D>,
 ) -> Box<dyn FluidSolver<D>>
 where
     [f64; D]: Space<D>,
@@ -122,7 +141,7 @@ where
     let points = parameters.grid_of_bodies().len();
     let flow = Flow::uniform(parameters.initial_velocity, points);
     if let Some(fine) = &parameters.fine_box {
-        let scheme = TwoGrids::<R, T, D>::new(parameters, fine);
+        let scheme = TwoGrids::<R, T, D>::new(parameters, fine, problem);
         return Box::new(Solver { flow, scheme, precision: PhantomData });
     }
     let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
@@ -149,6 +168,18 @@ where
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>) {
         present.step = 0.0;
         self.scheme.start(velocity, &mut self.flow, present, problem);
+    }
+
+    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>) {
+        self.scheme.place_grid(way, &mut self.flow, present, problem);
+    }
+
+    fn way(&self) -> [f64; D] {
+        self.scheme.way(None)
+    }
+
+    fn way_in(&self, fields: &ByPrecision<D>) -> [f64; D] {
+        self.scheme.way(R::of(fields).ok().map(|fields| &fields.memory))
     }
 
     fn longest_step(&self, problem: &Problem<D>) -> Option<f64> {
@@ -185,13 +216,24 @@ where
         self.scheme.over_domain(&self.flow, |flow| &flow.velocity[axis])
     }
 
+    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2] {
+        [&self.flow, self.scheme.of_domain(&self.flow)].map(|flow| R::field_to_f64(&flow.velocity[axis]))
+    }
+
+    fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]> {
+        R::field_to_f64(&self.flow.vorticity[component])
+    }
+
     fn vorticity(&self, component: usize) -> Cow<'_, [f64]> {
         self.scheme.over_domain(&self.flow, |flow| &flow.vorticity[component])
     }
 
     fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
-        let component = |u: &[R]| weights.iter().map(|&(point, weight)| weight * u[point].to_f64()).sum();
-        self.flow.velocity.each_ref().map(|u| component(u))
+        self.flow.velocity_by(weights)
+    }
+
+    fn coarse_velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
+        self.scheme.of_domain(&self.flow).velocity_by(weights)
     }
 
     fn sum_of_u(&self, points: Range<usize>) -> f64 {
@@ -201,7 +243,7 @@ where
     }
 
     fn squares(&self) -> [f64; 2] {
-        let (mut sums, all) = ([0.0; 2], 0..self.scheme.points_of_domain(&self.flow));
+        let (mut sums, all) = ([0.0; 2], 0..self.scheme.of_domain(&self.flow).velocity[0].len());
         let visit = |flow: &Flow<R, D>, own: usize| sums[0] += square(flow.velocity_at(own));
         self.scheme.for_each_in_domain(&self.flow, all.clone(), visit);
         for component in 0..<[f64; D]>::VORTICITY {

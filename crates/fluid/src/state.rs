@@ -108,6 +108,8 @@ pub struct Link {
     pub step: f64,
     /// Advection rate of the coarse flow, 1/s.
     pub advection_rate: f64,
+    /// Coarse cells by which the fine box has moved along each axis.
+    pub moved: Vec<i32>,
 }
 
 impl Link {
@@ -124,12 +126,14 @@ impl Link {
         let Self { elapsed, ahead, length, step, advection_rate, .. } = *other;
         (self.elapsed, self.ahead, self.length) = (elapsed, ahead, length);
         (self.step, self.advection_rate) = (step, advection_rate);
+        self.moved.copy_from_slice(&other.moved);
     }
 
     /// Return whether `other` has the same size, and its times are finite.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         let numbers = [other.elapsed, other.ahead, other.length, other.step, other.advection_rate];
         self.lists().iter().zip(other.lists()).all(|(own, other)| own.len() == other.len())
+            && self.moved.len() == other.moved.len()
             && numbers.iter().all(|number| number.is_finite())
     }
 }

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
+use crate::space::Vector;
+
 /// Positions and velocities of the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stations<const D: usize = 2> {
@@ -31,6 +33,11 @@ impl<const D: usize> Stations<D> {
         let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
         let zeros = |_| vec![0.0; rest.len()];
         Self { position: std::array::from_fn(component), velocity: std::array::from_fn(zeros) }
+    }
+
+    /// Return their mean position, m.
+    pub(crate) fn middle(&self) -> Vector<D> {
+        self.position.each_ref().map(|all| all.iter().sum::<f64>() / all.len() as f64).into()
     }
 
     /// Return the number of stations.

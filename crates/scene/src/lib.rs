@@ -70,7 +70,7 @@ pub use rod::{Material, Rod, SectionProfile};
 pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scales::Scales;
-pub use scene::{BeamWithRod, Display, Scene, Time};
+pub use scene::{BeamWithRod, Display, Followed, Scene, Time};
 pub use shape::{Ends, Shape};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;

@@ -159,6 +159,14 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, see: See) {
             format!("reaches {} m into a wall of the channel", rounded(reached))
         });
     }
+    if let Some(fine) = fluid.fine_box.as_ref().filter(|fine| fine.follow.is_none()) {
+        for (axis, ends) in fine.inner(&fluid.r#box).into_iter().enumerate() {
+            let over = out(axis, ends);
+            see(&format!("rim {}", AXES[axis]), [over, ROUNDING * (ends[1] - ends[0])], false, &|| {
+                format!("reaches {} m into the rim of `fine_box`, where a run ends,", rounded(over))
+            });
+        }
+    }
     let stops = blocked(fluid, shape);
     let is_blocked = f64::from(u8::from(stops.is_some()));
     see("stream", [is_blocked, 0.0], true, &|| stops.clone().unwrap_or_default());

@@ -120,6 +120,12 @@ pub(crate) fn streams(fluid: &Fluid) -> [bool; 3] {
 /// Add the places that no scene can mean.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
+    if let Some(name) = fluid.fine_box.as_ref().and_then(|fine| fine.follow.as_ref()) {
+        faults.require(scene.followed().is_some(), "fluid.fine_box.follow", format!("{name:?}"), || {
+            let known: Vec<_> = scene.followable().into_iter().map(|(name, _)| format!("`{name}`")).collect();
+            format!("it must be one of {}", known.join(", "))
+        });
+    }
     check_widths(fluid, faults);
     check_ends(scene, fluid, faults);
     if faults.len() > 0 {

@@ -129,7 +129,40 @@ impl BeamWithRod<'_> {
     }
 }
 
+/// What a fine box follows, by its number among those of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// A cylinder.
+    Cylinder(usize),
+    /// A body of the fluid.
+    Body(usize),
+    /// A beam.
+    Beam(usize),
+    /// The wing.
+    Wing,
+}
+
 impl Scene {
+    /// Return what a fine box can follow, by the names of its outputs.
+    pub fn followable(&self) -> Vec<(String, Followed)> {
+        let Some(fluid) = &self.fluid else { return vec![] };
+        let beams = self
+            .beams_with_rods()
+            .enumerate()
+            .map(|(k, own)| (own.number.map_or("beam".into(), |number| format!("beam[{number}]")), Followed::Beam(k)));
+        let numbered = |kind: &'static str, count: usize| (0..count).map(move |k| (format!("{kind}[{}]", k + 1), k));
+        let cylinders = numbered("cylinder", fluid.cylinders.len()).map(|(name, k)| (name, Followed::Cylinder(k)));
+        let bodies = numbered("body", fluid.bodies.len()).map(|(name, k)| (name, Followed::Body(k)));
+        let wing = self.wing.iter().map(|_| ("wing".into(), Followed::Wing));
+        cylinders.chain(bodies).chain(beams).chain(wing).collect()
+    }
+
+    /// Return what the fine box follows.
+    pub fn followed(&self) -> Option<Followed> {
+        let name = self.fluid.as_ref()?.fine_box.as_ref()?.follow.as_ref()?;
+        self.followable().into_iter().find(|(own, _)| own == name).map(|(_, part)| part)
+    }
+
     /// Return the beams in the order in which the fluid counts them: `beam`, or the beams of `rods`.
     pub fn beams(&self) -> impl Iterator<Item = &Beam> {
         self.beams_with_rods().map(|own| own.beam)

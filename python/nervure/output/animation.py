@@ -103,11 +103,22 @@ class Frames:
 
     def field(self, name: str, frame: int) -> np.ndarray:
         """Return one of `FIELDS` in the view of a frame, `[n, m]`, in space the vorticity about the axis across it."""
-        data, plane = self.fluid["VTKHDF/PointData"], self.view.plane
+        return self._cut(self.fluid["VTKHDF/PointData"], name, frame, self.view.number if self.view.plane else 0)
+
+    def fine(self, name: str, frame: int) -> np.ndarray | None:
+        """Return the same on the cells of the fine box; None where there is none in the view."""
+        if fields.FINE not in self.fluid:
+            return None
+        number = self.view.fine_number(self.view.fine_ends(self._lows(frame))) if self.view.plane else 0
+        return None if number is None else self._cut(self.fluid[fields.FINE], name, frame, number)
+
+    def _cut(self, data: Any, name: str, frame: int, number: int) -> np.ndarray:
+        """Return a field of some data in the view, in space of a slice by its number."""
+        plane = self.view.plane
         of, is_part = (name, False) if name in data else ("velocity", True)
         where: list[slice | int] = [slice(None)] * (3 if plane else 2)
         if plane:
-            where[2 - plane.normal] = self.view.number
+            where[2 - plane.normal] = number
         values = np.swapaxes(data[of][(frame, *where)], 0, 1)  # Axes of the file are z, y, x
         if is_part:
             u, v, w = np.moveaxis(values, -1, 0)
@@ -144,6 +155,14 @@ class Frames:
         if plane := self.view.plane:
             beams = [outline for rod in self.rods(frame) for outline in plane.rod(*rod)]
         return self.view.outlines(beams, self.poses(frame), self.membrane(frame))
+
+    def fine_box(self, frame: int) -> list[np.ndarray]:
+        """Return the outlines of the fine box in the view, m."""
+        return self.view.fine_box(self._lows(frame))
+
+    def _lows(self, frame: int) -> Sequence[float] | None:
+        """Return the lower ends of a fine box that moves, m."""
+        return self.fluid[fields.FINE_BOX][frame].tolist() if fields.FINE_BOX in self.fluid else None
 
     def rods(self, frame: int) -> list[tuple[np.ndarray, float]]:
         """Return centre line, `[n, 3]`, and largest radius of each beam in space, m."""
@@ -280,7 +299,7 @@ def plot_field(folder: Path, name: str, time: float | None, part: Part = ALL) ->
     picture = flow.Picture(axes[0, 0], frames.view, limit)
     if name == "speed":
         picture.image.set(cmap="viridis", clim=(0.0, limit))
-    picture.show(field, solids)
+    picture.show(field, solids, frames.fine_box(frame), frames.fine(name, frame))
     picture.say(float(frames.times[frame]))
     flow.colour_bar(figure, axes, picture.image, frames.view, name, FIELDS[name])
     return figure
@@ -314,7 +333,8 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     figure.set_dpi(plots.DPI)
     for axis, frame in zip(axes.flat, chosen, strict=True):
         picture = flow.Picture(axis, frames.view, limit)
-        picture.show(frames.vorticity(frame), frames.solids(frame))
+        boxes, fine = frames.fine_box(frame), frames.fine("vorticity", frame)
+        picture.show(frames.vorticity(frame), frames.solids(frame), boxes, fine)
         axis.set_title(frames.title(frame), loc="right", fontsize="small")
     layout.label_outer(axes)
     words = title(frames.scene, plots.WIDTH - 0.1 * len(frames.view.place))
@@ -404,7 +424,8 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     flow.colour_bar(figure, axes, picture.image, frames.view)
 
     def show(frame: int) -> None:
-        picture.show(frames.vorticity(frame), frames.solids(frame))
+        boxes, fine = frames.fine_box(frame), frames.fine("vorticity", frame)
+        picture.show(frames.vorticity(frame), frames.solids(frame), boxes, fine)
         picture.say(float(frames.times[frame]))
 
     return filmed(figure, chosen, show)

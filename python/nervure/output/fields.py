@@ -21,6 +21,8 @@ from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
 
 SCENE = "scene"  # Dataset with the text of the scene, which VTK ignores
+FINE_BOX = "fine_box"  # Dataset with the lower ends of a fine box that moves, m, `[frames, axes]`, ignored too
+FINE = "fine"  # Group with the fields on the cells of a fine box, ignored too
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
@@ -177,23 +179,39 @@ class Grid(Series):
             extent = [edge for n in counts for edge in (0, n - 1)]
             self.root.attrs.update(Type=np.bytes_("ImageData"), WholeExtent=extent)
             self.root.attrs.update(Origin=[low for low, _ in ends], Spacing=spacing, Direction=np.eye(3).ravel())
-            data = self.root.create_group("PointData")
-            spin = (3,) if len(cells) == 3 else ()
-            for name, components in (("velocity", (3,)), ("vorticity", spin), ("pressure", ())):
-                self._place(data, name, (frames, *reversed(cells), *components))
+            self._lay_out(self.root.create_group("PointData"), frames, cells)
+            if (of_fine := fluid.shown_field(f"{FINE}.u")) is not None:
+                self._lay_out(self.file.create_group(FINE), frames, of_fine.shape)
+            if f"{FINE_BOX}.x" in fluid.variables:
+                self._place(self.file, FINE_BOX, (frames, len(cells)))
             self.file.flush()
         self.data = self.root["PointData"]
 
+    def _lay_out(self, data: Any, frames: int, cells: tuple[int, ...]) -> None:
+        """Lay out the fields of all frames on so many cells."""
+        spin = (3,) if len(cells) == 3 else ()
+        for name, components in (("velocity", (3,)), ("vorticity", spin), ("pressure", ())):
+            self._place(data, name, (frames, *reversed(cells), *components))
+
     def write(self, frame: int, time: float) -> None:
         """Write the fluid's fields at `time` (s) as frame number `frame`."""
-        u, v, omega, p = (self.fluid.field(name).T for name in ("u", "v", "vorticity", "p"))
+        self._write(self.data, frame, "")
+        if FINE in self.file:
+            self._write(self.file[FINE], frame, f"{FINE}.")
+        if FINE_BOX in self.file:
+            axes = "xyz"[: self.file[FINE_BOX].shape[1]]
+            self.file[FINE_BOX][frame] = [float(self.fluid.read(f"{FINE_BOX}.{axis}")[0]) for axis in axes]
+        self._count(frame + 1, time)
+
+    def _write(self, data: Any, frame: int, prefix: str) -> None:
+        """Write the fields whose names begin so."""
+        u, v, omega, p = (self.fluid.field(prefix + name).T for name in ("u", "v", "vorticity", "p"))
         w = np.zeros_like(u)
         if omega.ndim == 3:
-            w, *across = (self.fluid.field(name).T for name in ("w", "vorticity_x", "vorticity_y"))
+            w, *across = (self.fluid.field(prefix + name).T for name in ("w", "vorticity_x", "vorticity_y"))
             omega = np.stack([*across, omega], axis=-1)
-        self.data["velocity"][frame] = np.stack([u, v, w], axis=-1)
-        self.data["vorticity"][frame], self.data["pressure"][frame] = omega, p
-        self._count(frame + 1, time)
+        data["velocity"][frame] = np.stack([u, v, w], axis=-1)
+        data["vorticity"][frame], data["pressure"][frame] = omega, p
 
 
 class Moving(Series):

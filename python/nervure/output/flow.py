@@ -29,7 +29,7 @@ LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the 
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
 THICK, THIN = 0.6, 1.5  # Widths of the outline of a solid and of a line
-MARK = "0.6"  # Grey of a sponge
+MARK = "0.6"  # Grey of a sponge and of the outline of a fine box
 
 Value = TypeVar("Value")
 Crop = Sequence[float]  # Ends of a part along x, y and in space z, m: x_0, x_1, y_0, …
@@ -99,10 +99,53 @@ class View:
         bodies = list(zip(fluid.bodies, poses, strict=False))
         if plane:
             cut = [line for body, of in bodies for line in plane.body(body, of, fluid)]
-            return [*cut, *beams, *(plane.cut(*wing) if wing else ())]
+            return list(map(self._image, [*cut, *beams, *(plane.cut(*wing) if wing else ())]))
         centres = (next(poses) if cylinder.motion else cylinder.center for cylinder in fluid.cylinders)
         found = [np.array(centre) + circle(own.radius) for centre, own in zip(centres, fluid.cylinders, strict=True)]
-        return [*found, *(body_outline(body, *of) for body, of in bodies), *beams]
+        return list(map(self._image, [*found, *(body_outline(body, *of) for body, of in bodies), *beams]))
+
+    def _image(self, line: np.ndarray) -> np.ndarray:
+        """Return an outline where it is in the box: one that follows a body may have gone through its sides."""
+        if not (self.fluid.fine_box and self.fluid.fine_box.follow):
+            return line
+        low, high = np.transpose(self.ends)
+        periods: np.ndarray = np.floor(((line.min(axis=0) + line.max(axis=0)) / 2 - low) / (high - low))
+        return np.array(line - periods * (high - low))
+
+    def fine_ends(self, lows: Sequence[float] | None = None) -> list[tuple[float, float]]:
+        """Return the ends of the fine box along each axis, m, moved by whole periods so that it begins in the box; none
+        without one. `lows` has its lower ends, m, if it moves."""
+        box, fine, ends = self.fluid.box, self.fluid.fine_box, []
+        for i, name in enumerate("xyz"[: len(box.cells)] if fine else ""):
+            (low, high), own = getattr(box, name), getattr(fine, name)
+            cell = (high - low) / box.cells[i]
+            begin, end = (low + cell * np.round((np.array(own) - low) / cell)).tolist()
+            if lows is not None:
+                begin, end = lows[i], lows[i] + end - begin
+            periods = (high - low) * float(np.floor((begin - low) / (high - low)))
+            ends.append((begin - periods, end - periods))
+        return ends
+
+    def fine_box(self, lows: Sequence[float] | None = None) -> list[np.ndarray]:
+        """Return the outlines of the fine box in the picture, m, each `[4, 2]`, see `fine_ends`: two where it reaches
+        over a side of the periodic box."""
+        ends = self.fine_ends(lows)
+        if not ends or (self.plane and self.fine_number(ends) is None):
+            return []
+        across = []
+        for axis, (low, high) in zip(self.axes, self.ends, strict=True):
+            begin, end = ends[axis]
+            across.append([(begin, end), (begin - high + low, end - high + low)][: 1 + (end > high)])
+        return [np.array([(a, c), (b, c), (b, d), (a, d)]) for a, b in across[0] for c, d in across[1]]
+
+    def fine_number(self, ends: list[tuple[float, float]]) -> int | None:
+        """Return the number of the fine points in a slice; None where it misses the fine box."""
+        assert self.plane and self.fluid.fine_box, "a slice has a plane"
+        axis = self.plane.normal
+        (low, high), (begin, end) = getattr(self.fluid.box, "xyz"[axis]), ends[axis]
+        cell = (high - low) / self.fluid.box.cells[axis] / self.fluid.fine_box.ratio
+        number = round((self.plane.place - begin) % (high - low) / cell)
+        return number if number < round((end - begin) / cell) else None
 
     @property
     def sponge(self) -> tuple[float, float] | None:
@@ -181,16 +224,28 @@ class Picture:
         look: dict[str, Any] = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": "x-small", "color": "0.35"}
         self.axis.annotate("sponge", (begin, 0), (-1, 3), ("data", "axes fraction"), "offset points", **look)
 
-    def show(self, field: np.ndarray, solids: Solids) -> None:
-        """Show a vorticity `field` (1/s) in the view, `[n, m]`, and the solids over it."""
+    def show(self, field: np.ndarray, solids: Solids, boxes: Solids = (), fine: np.ndarray | None = None) -> None:
+        """Show a vorticity `field` (1/s) in the view, `[n, m]`, in the fine box that of its own cells, `fine`, and over
+        it the outlines of the box and the solids."""
         along, up = self.view.ends
-        self.image.set_data(resample(resample(field, along, self.x).T, up, self.y))
+        values = resample(resample(field, along, self.x).T, up, self.y)
+        if fine is not None:
+            for (left, bottom), _, (right, top), _ in boxes:
+                inside = (self.y >= bottom) & (self.y < top), (self.x >= left) & (self.x < right)
+                up_to, along_to = (
+                    (self.y[inside[0]] - bottom) / (top - bottom),
+                    (self.x[inside[1]] - left) / (right - left),
+                )
+                values[np.ix_(*inside)] = between(between(fine, along_to).T, up_to)
+        self.image.set_data(values)
         for patch in self.patches:
             patch.remove()
         look: dict[str, Any] = {"facecolor": SOLID, "edgecolor": EDGE}
         self.patches = [
             Polygon(self.view.scale * solid, linewidth=THIN if is_line(solid) else THICK, **look) for solid in solids
         ]
+        edges: dict[str, Any] = {"fill": False, "edgecolor": MARK, "linestyle": (0, (4, 3)), "linewidth": THICK}
+        self.patches += [Polygon(self.view.scale * box, **edges) for box in boxes]
         for patch in self.patches:
             self.axis.add_patch(patch)
 
@@ -229,6 +284,15 @@ def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> n
     weight = np.where(order == 0, 1.0, 2.0) * sigma(n) / n
     waves = weight * np.exp(2j * np.pi * np.outer((places - begin) / (end - begin), order))
     found: np.ndarray = (waves @ np.fft.rfft(values, axis=0)).real
+    return found
+
+
+def between(values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return `values` along the first axis at `places`, 0 at the first and 1 a step behind the last, linear between."""
+    at = places * len(values)
+    below = np.clip(at.astype(int), 0, len(values) - 2)
+    share = (at - below)[:, None]
+    found: np.ndarray = (1 - share) * values[below] + share * values[below + 1]
     return found
 
 

@@ -124,7 +124,8 @@ def _fine_box(fine: FineBox, fluid: Fluid) -> str:
         cell = (high - low) / large
         counts.append(str(fine.ratio * (round((own_high - low) / cell) - round((own_low - low) / cell))))
         lengths.append(f"{cell / fine.ratio:.3g}")
-    return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m"
+    follows = f", follows {fine.follow}" if fine.follow else ""
+    return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m{follows}"
 
 
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -316,7 +316,8 @@ def vorticity(session: Session) -> Figure | None:
     figure, axes = view.panels(WIDTH)
     figure.set_dpi(DPI)
     picture = flow.Picture(axes[0, 0], view, view.colour_limit([shown]))
-    picture.show(*shown)
+    lows = [f"fine_box.{axis}" for axis in "xyz" if f"fine_box.{axis}" in units["fluid"].variables]
+    picture.show(*shown, view.fine_box([float(units["fluid"].read(name)[0]) for name in lows] or None))
     picture.say(session.time)
     flow.colour_bar(figure, axes, picture.image, view)
     return figure

@@ -171,7 +171,7 @@ where
     }
 
     /// Return the position of the centroid from the pivot.
-    fn centroid(&self) -> Vector<D> {
+    pub fn centroid(&self) -> Vector<D> {
         <[f64; D]>::turn(&self.orientation, self.moments.centroid - Vector::from(self.body.pivot))
     }
 

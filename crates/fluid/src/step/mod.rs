@@ -65,6 +65,14 @@ where
     /// Copy the memory from `memory`, which [`Self::fits`].
     fn restore(&mut self, memory: &Memory<R, D>);
 
+    /// Put the grid of the bodies to where they are, or by a way (m) from where it began, before the first step.
+    fn place_grid(&mut self, _: Option<[f64; D]>, _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+
+    /// Return the way that the grid of the bodies has moved, m, or that of another memory.
+    fn way(&self, _: Option<&Memory<R, D>>) -> [f64; D] {
+        [0.0; D]
+    }
+
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
     fn longest_step(&self, _: &Problem<D>) -> Option<f64> {
         None
@@ -116,9 +124,9 @@ where
         points.for_each(|point| visit(flow, point));
     }
 
-    /// Return the number of points of the domain.
-    fn points_of_domain(&self, flow: &Flow<R, D>) -> usize {
-        flow.velocity[0].len()
+    /// Return the flow that has all points of the domain.
+    fn of_domain<'a>(&'a self, flow: &'a Flow<R, D>) -> &'a Flow<R, D> {
+        flow
     }
 
     /// Return a field of the flow over the domain, copied only if it is not in one piece and precision.

@@ -172,6 +172,16 @@ where
         (self.memory.inv_tau, self.memory.step_before) = (inv_tau, step);
     }
 
+    /// Go back by a step, before which the flow two steps earlier, `1/tau` and the step before the last one were these.
+    pub fn take_back(&mut self, flow: &mut Flow<R, D>, two_steps_earlier: &Flow<R, D>, inv_tau: f64, step_before: f64) {
+        let TwoStep { before, earlier, w, .. } = &mut self.memory;
+        swap(w, &mut self.w);
+        swap(before, earlier);
+        swap(flow, earlier);
+        earlier.copy_from(two_steps_earlier);
+        (self.memory.inv_tau, self.memory.step_before) = (inv_tau, step_before);
+    }
+
     /// Put the bodies to the end of the step, and write u* + tau G to `w`.
     ///
     /// # Errors

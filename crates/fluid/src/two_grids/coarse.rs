@@ -1,9 +1,11 @@
 //! The coarse flow, and what the grids exchange.
 
+use std::ops::Range;
+
 use line_fft::Real;
 
 use super::patch::Patch;
-use super::transfer::{FilterRoom, Transfer};
+use super::transfer::{FilterRoom, Rows, Transfer};
 use crate::error::Error;
 use crate::filter::Damping;
 use crate::flow::Flow;
@@ -12,7 +14,7 @@ use crate::present::Present;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::Transforms;
-use crate::state::{CoarseState, Link, Memory};
+use crate::state::{CoarseState, Link};
 use crate::step::{Sbdf2, Scheme, StartVelocity, Substep};
 
 /// Share of a fine step by which it may end after the coarse flow.
@@ -30,6 +32,25 @@ impl<const D: usize> Background<D> {
     /// Return the coefficients of a component: of the velocity, then the vorticity, then G.
     pub fn component(&self, component: usize) -> &[f64] {
         &self.now[component * self.transfer.len()..][..self.transfer.len()]
+    }
+
+    /// Call `visit` with some fine points along each axis and a component there.
+    pub fn for_each_of(
+        &self,
+        component: usize,
+        points: &[Range<usize>; D],
+        rows: &mut Rows,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        let length = self.transfer.row_points();
+        for plane in points[0].clone() {
+            let values = self.transfer.interpolate(self.component(component), plane, rows);
+            let first = plane * values.len();
+            let own_rows = if D == 2 { 0..1 } else { points[1].clone() };
+            for at in own_rows.flat_map(|row| points[D - 1].clone().map(move |column| row * length + column)) {
+                visit(first + at, values[at]);
+            }
+        }
     }
 }
 
@@ -49,9 +70,19 @@ where
     problem: Problem<D>,
     present: Present<D>,
     ratio: usize,
-    /// What was before the last step, for a fine step that fails.
-    saved: CoarseState<R, D>,
+    spacing: [f64; D],
+    /// What the last step has lost, for a fine step that fails: the flow two steps earlier, `1/tau` and the step before the
+    /// one before, and the link.
+    saved: Saved<R, D>,
     room: FilterRoom,
+}
+
+/// See [`Coarse`].
+struct Saved<R: Real, const D: usize> {
+    earlier: Flow<R, D>,
+    inv_tau: f64,
+    step_before: f64,
+    link: Link,
 }
 
 impl<R: Real, T: Transforms<R, D>, const D: usize> Coarse<R, T, D>
@@ -74,14 +105,15 @@ where
             length: 0.0,
             step: 0.0,
             advection_rate: 0.0,
+            moved: vec![0; D],
         };
-        let Memory::Sbdf2(memory) = scheme.memory() else { unreachable!("it is this scheme") };
         let mut own = Self {
-            saved: CoarseState { flow: flow.clone(), memory, link: link.clone() },
+            saved: Saved { earlier: flow.clone(), inv_tau: 0.0, step_before: 0.0, link: link.clone() },
             present: Present::without_bodies(&grid, velocity),
             problem: Problem::new(&parameters.without_bodies()),
             patch: Patch::new(&grid, fine.cells),
             ratio: fine.ratio,
+            spacing: grid.spacing,
             room: FilterRoom::default(),
             background: Background { transfer, now: vec![0.0; numbers] },
             link,
@@ -112,15 +144,50 @@ where
     /// Write the coefficients of the flow to the last end.
     fn write_end(&mut self) {
         let Self { background: Background { transfer, .. }, link, flow, scheme, patch, room, .. } = self;
-        let mut lists = link.ends[1].chunks_exact_mut(transfer.len());
-        let mut next = || lists.next().unwrap_or_default();
-        for field in flow.velocity.iter().chain(&flow.vorticity) {
-            transfer.write_coefficients(|point, _| field[point].to_f64(), room, next());
-        }
-        for axis in 0..D {
+        let (of_flow, of_g) = link.ends[1].split_at_mut(flow.fields().count() * transfer.len());
+        write_flow(transfer, flow, room, of_flow);
+        for (axis, list) in of_g.chunks_exact_mut(transfer.len()).enumerate() {
             let g = |point: usize, place: usize| scheme.g(flow, axis, point) - patch.gradient(axis, place);
-            transfer.write_coefficients(g, room, next());
+            transfer.write_coefficients(g, room, list);
         }
+    }
+
+    /// Return the coarse cells, and their part, by which a way (m) is longer than that which the box has moved along an
+    /// axis.
+    pub fn cells_left(&self, axis: usize, way: f64) -> f64 {
+        way / self.spacing[axis] - f64::from(self.link.moved[axis])
+    }
+
+    /// Return the way that the box has moved, m.
+    pub fn way(&self, link: &Link) -> [f64; D] {
+        std::array::from_fn(|axis| f64::from(link.moved[axis]) * self.spacing[axis])
+    }
+
+    /// Move the box to where it is after moves by so many coarse cells, before the first step.
+    pub fn place(&mut self, moved: &[i32]) {
+        self.link.moved.copy_from_slice(moved);
+        self.background.transfer.place(moved);
+        self.write_both_ends();
+    }
+
+    /// Move the box by a coarse cell along an axis, forwards or backwards, after a step.
+    pub fn shift(&mut self, axis: usize, forwards: bool) {
+        let Self { background: Background { transfer, .. }, link, .. } = self;
+        let Link { ends: [from, to], impulse, force, moved, .. } = link;
+        from.iter_mut().zip(to).for_each(|(from, to)| *from -= *to);
+        let lists = |all| <[f64]>::chunks_exact_mut(all, transfer.len());
+        lists(impulse).chain(lists(force)).for_each(|list| transfer.shift(list, axis, forwards, true));
+        lists(from).for_each(|list| transfer.shift(list, axis, forwards, false));
+        moved[axis] += if forwards { 1 } else { -1 };
+        transfer.place(moved);
+        self.take_force();
+        self.patch.solve();
+        self.write_end();
+        let Self { background: Background { transfer, .. }, link, scheme, room, .. } = self;
+        let ([from, to], before) = (&mut link.ends, &scheme.two_step().before);
+        let first = before.fields().count() * transfer.len();
+        from[first..].iter_mut().zip(&to[first..]).for_each(|(from, to)| *from += to);
+        write_flow(transfer, before, room, &mut from[..first]);
     }
 
     /// Return whether a fine step of `dt` (s) ends after the coarse flow.
@@ -132,24 +199,24 @@ where
     pub fn save_for_undo(&mut self) {
         self.link.step = self.present.step;
         self.link.advection_rate = self.present.advection_rate;
-        let Self { saved, flow, scheme, link, .. } = self;
-        saved.flow.copy_from(flow);
-        saved.memory.copy_from(scheme.two_step());
-        saved.link.copy_from(link);
+        let (saved, memory) = (&mut self.saved, self.scheme.two_step());
+        saved.earlier.copy_from(&memory.earlier);
+        (saved.inv_tau, saved.step_before) = (memory.inv_tau, memory.step_before);
+        saved.link.copy_from(&self.link);
     }
 
-    /// Go back to what was saved.
+    /// Go back to before the step that was made since.
     pub fn undo(&mut self) {
         let Self { saved, flow, scheme, link, present, .. } = self;
-        flow.copy_from(&saved.flow);
-        scheme.two_step_mut().copy_from(&saved.memory);
+        scheme.take_back(flow, &saved.earlier, saved.inv_tau, saved.step_before);
         link.copy_from(&saved.link);
         (present.step, present.advection_rate) = (link.step, link.advection_rate);
     }
 
     /// Return a copy of everything that the next step depends on.
     pub fn state(&self) -> CoarseState<R, D> {
-        let mut state = self.saved.clone();
+        let (flow, memory) = (self.flow.clone(), self.scheme.two_step().clone());
+        let mut state = CoarseState { flow, memory, link: self.link.clone() };
         self.save(&mut state);
         state
     }
@@ -171,21 +238,11 @@ where
 
     /// Go to a state that fits.
     pub fn restore(&mut self, state: &CoarseState<R, D>) {
+        self.background.transfer.place(&state.link.moved);
         self.flow.copy_from(&state.flow);
         self.scheme.two_step_mut().copy_from(&state.memory);
         self.link.copy_from(&state.link);
         (self.present.step, self.present.advection_rate) = (state.link.step, state.link.advection_rate);
-    }
-
-    /// Make steps under the force `link.force` until a fine step does not end after the coarse flow.
-    ///
-    /// # Errors
-    /// [`Error::Diverged`].
-    pub fn reach(&mut self, fine: &Substep<D>) -> Result<(), Error> {
-        while self.is_behind(fine.dt) {
-            self.step(fine)?;
-        }
-        Ok(())
     }
 
     /// Take over `link.force` as the given acceleration and on the patch.
@@ -202,17 +259,21 @@ where
         }
     }
 
-    /// Make a step, as much longer than the fine one as the cells are larger.
-    fn step(&mut self, fine: &Substep<D>) -> Result<(), Error> {
+    /// Make a step under the force `link.force`, as much longer than the fine one as the cells are larger but not shorter.
+    /// After an error all is as it was saved.
+    ///
+    /// # Errors
+    /// [`Error::Diverged`].
+    pub fn step(&mut self, fine: &Substep<D>) -> Result<(), Error> {
         self.take_force();
         self.patch.solve();
-        let Self { link, flow, scheme, problem, present, ratio, .. } = self;
+        let Self { link, flow, scheme, problem, present, ratio, saved, .. } = self;
         let longest = fine.max_cfl / present.advection_rate.max(f64::MIN_POSITIVE);
         let dt = (*ratio as f64 * fine.dt).min(longest).max(fine.dt);
         let end = fine.end - fine.dt + link.ahead + dt;
         let step = Substep { dt, end, stations: &[], displacements: &[], ahead: None, ..*fine };
         let is_first = present.step == 0.0;
-        scheme.step(&step, flow, present, problem)?;
+        scheme.step(&step, flow, present, problem).inspect_err(|_| link.copy_from(&saved.link))?;
         link.ahead += dt;
         link.length = dt;
         link.ends.swap(0, 1);
@@ -262,5 +323,17 @@ where
     pub fn static_pressure(&mut self) -> Vec<f64> {
         let Self { flow, scheme, problem, present, .. } = self;
         scheme.static_pressure(flow, present, problem)
+    }
+}
+
+/// Write the coefficients of velocity and vorticity.
+fn write_flow<R: Real, const D: usize>(
+    transfer: &Transfer<D>,
+    flow: &Flow<R, D>,
+    room: &mut FilterRoom,
+    coefficients: &mut [f64],
+) {
+    for (field, list) in flow.fields().zip(coefficients.chunks_exact_mut(transfer.len())) {
+        transfer.write_coefficients(|point, _| field[point].to_f64(), room, list);
     }
 }

@@ -18,6 +18,9 @@
 //!
 //! Both are stepped by [`Sbdf2`], U with steps as much longer as its cells are larger, ahead of u and linear between its
 //! steps, under the mean force of the last of them.
+//!
+//! The box follows a body by whole coarse cells. The correction u', its pressure and the bodies are periodic and stay in
+//! place: in all stored flows the cells that the box leaves become those that it newly covers, with another coarse flow.
 
 mod coarse;
 mod patch;
@@ -33,16 +36,21 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::flow::Flow;
 use crate::grid::Grid;
-use crate::parameters::{FineBox, Parameters};
+use crate::parameters::{FineBox, Followed, Parameters};
 use crate::present::Present;
 use crate::problem::Problem;
 use crate::space::{Space, Vector};
 use crate::spectral::{AdvectionRate, Transforms};
-use crate::state::{Memory, TwoGridsMemory};
+use crate::state::{Memory, TwoGridsMemory, TwoStep};
+use crate::stations::Stations;
 use crate::step::{Differences, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
 
 use coarse::{Background, Coarse};
 use transfer::Rows;
+
+/// Distance from its place in the box at which a followed body moves the box, coarse cells. A body that goes to and fro less
+/// than twice the rest to one does not.
+const SLACK: f64 = 0.6;
 
 /// Rate of the damping at the end of the box, times the time in which the fastest flow crosses a coarse cell.
 const DAMPING: f64 = 3.0;
@@ -59,6 +67,10 @@ where
     coarse: Coarse<R, T, D>,
     spacing: [f64; D],
     ratio: f64,
+    /// The body that the box follows, and its place where the box has not moved, m.
+    follows: Option<(Followed, Vector<D>)>,
+    /// Coarse cells along each axis by which the box may move back and forth, between walls and zones.
+    range: [[f64; 2]; D],
     /// By point along each axis: the share of the damping's rate, W, and what the damping leaves in a step.
     damping: [Vec<f64>; D],
     window: [Vec<f64>; D],
@@ -85,28 +97,91 @@ impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
 where
     [f64; D]: Space<D>,
 {
-    /// A uniform flow on both grids.
-    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>) -> Self {
+    /// A uniform flow on both grids, with the bodies of a problem at t = 0.
+    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>, problem: &Problem<D>) -> Self {
         let (grid, coarse) = (fine.grid(&parameters.grid()), Coarse::new(parameters, fine));
         let transforms = T::new(&grid, parameters.filter.into(), parameters.threads);
         let threads = transforms.threads();
         let transfer = &coarse.background.transfer;
-        let by_axis = |value: &dyn Fn(f64) -> f64| std::array::from_fn(|axis| transfer.by_distance(axis, value));
+        let ones = || std::array::from_fn(|axis| vec![1.0; grid.cells[axis]]);
+        let stations: Vec<_> = parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect();
         let of_plane = transfer.plane_len();
         let room =
             Room { rows: transfer.rows(), row: vec![0.0; grid.cells[D - 1]], of_row: vec![0.0; transfer.row_len()] };
-        Self {
+        let mut own = Self {
             spacing: grid.spacing,
             ratio: fine.ratio as f64,
-            damping: by_axis(&|distance| smooth_step(distance / FineBox::<D>::RIM)),
-            window: by_axis(&|distance| 1.0 - smooth_step((distance - FineBox::<D>::RIM) / FineBox::<D>::GROWTH)),
-            left: by_axis(&|_| 1.0),
+            follows: fine.follows.map(|body| (body, problem.place_of(body, &stations))),
+            range: std::array::from_fn(|axis| parameters.range_of_fine_box(fine, axis)),
+            damping: ones(),
+            window: ones(),
+            left: ones(),
             of_planes: vec![0.0; transfer.planes() * D * of_plane],
             damped: vec![0.0; D * transfer.len()],
             room: vec![room; threads],
             pressure: vec![0.0; transfer.len()],
             fine: Sbdf2::new(transforms, grid.len()).with_source(),
             coarse,
+        };
+        own.place_rim();
+        own
+    }
+
+    /// Put damping and W to where the box is.
+    fn place_rim(&mut self) {
+        let Self { coarse: Coarse { background: Background { transfer, .. }, .. }, damping, window, .. } = self;
+        for (axis, (damping, window)) in damping.iter_mut().zip(window).enumerate() {
+            for (point, (damping, window)) in damping.iter_mut().zip(window).enumerate() {
+                let distance = transfer.distance_from_end(axis, point);
+                *damping = smooth_step(distance / FineBox::<D>::RIM);
+                *window = 1.0 - smooth_step((distance - FineBox::<D>::RIM) / FineBox::<D>::GROWTH);
+            }
+        }
+    }
+
+    /// Return the coarse cells along an axis by which the followed body has left its place in the box.
+    fn cells_left(&self, axis: usize, problem: &Problem<D>, stations: &[Stations<D>]) -> f64 {
+        let Some((body, home)) = self.follows else { return 0.0 };
+        self.coarse.cells_left(axis, problem.place_of(body, stations)[axis] - home[axis])
+    }
+
+    /// Move the box after the body that it follows, by at most a coarse cell along each axis.
+    fn follow(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+        for axis in 0..D {
+            let (left, moved) =
+                (self.cells_left(axis, problem, &present.flexible.stations), self.coarse.link.moved[axis]);
+            let to = f64::from(moved) + left.signum();
+            if left.abs() <= SLACK || to < self.range[axis][0] || to > self.range[axis][1] {
+                continue;
+            }
+            let forwards = left > 0.0;
+            let transfer = &self.coarse.background.transfer;
+            let changing = transfer.points_in(axis, if forwards { 0 } else { transfer.cells()[axis] - 1 });
+            let mut points = problem.grid.cells.map(|cells| 0..cells);
+            points[axis] = changing;
+            self.add_coarse_at(&points, -1.0, flow, present.step);
+            self.coarse.shift(axis, forwards);
+            self.place_rim();
+            self.add_coarse_at(&points, 1.0, flow, present.step);
+        }
+    }
+
+    /// Add a multiple of the coarse flow to some of the points along each axis, at all stored times, the last `step` (s)
+    /// apart. G does not change.
+    fn add_coarse_at(&mut self, points: &[Range<usize>; D], factor: f64, flow: &mut Flow<R, D>, step: f64) {
+        let Self { fine, coarse, room, .. } = self;
+        let TwoStep { before, earlier, w, step_before, .. } = fine.two_step_mut();
+        for (after, flow, mut w) in [(0.0, flow, Some(w)), (-step, before, None), (-step - *step_before, earlier, None)]
+        {
+            coarse.look(after);
+            for (component, field) in flow.fields_mut().enumerate() {
+                let mut w = w.as_mut().and_then(|w| w.get_mut(component));
+                coarse.background.for_each_of(component, points, &mut room[0].rows, |point, value| {
+                    let add = |field: &mut Field<R>| field[point] = R::rounded(field[point].to_f64() + factor * value);
+                    add(field);
+                    w.as_deref_mut().into_iter().for_each(add);
+                });
+            }
         }
     }
 
@@ -127,14 +202,16 @@ where
             let sums = of_planes.chunks_exact_mut(of_plane);
             for ((axis, velocity), sums) in velocity.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let velocity = &velocity[row * values.len()..][..values.len()];
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                let length = own.len();
+                let lines = velocity.chunks_exact(length).zip(values.chunks_exact(length));
+                for (row, (velocity, values)) in lines.enumerate() {
                     let of_rows = across(window, plane, row);
                     for (((own, u), coarse), w) in own.iter_mut().zip(velocity).zip(values).zip(&window[D - 1]) {
                         *own = of_rows * w * (u.to_f64() - coarse);
                     }
                     transfer.restrict_row(row, own, 0..0, of_row, sums);
-                });
+                }
             }
         });
         let Coarse { background: Background { transfer, .. }, link, .. } = coarse;
@@ -158,10 +235,8 @@ where
         let parts = points_of_planes_mut(source, transfer.planes()).enumerate();
         team.share_with(room, nothing, parts, |(plane, source), Room { rows, .. }| {
             for (axis, source) in source.into_iter().enumerate() {
-                transfer.interpolate(background.component(first + axis), plane, rows, |row, values| {
-                    let source = &mut source[row * values.len()..][..values.len()];
-                    source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
-                });
+                let values = transfer.interpolate(background.component(first + axis), plane, rows);
+                source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
             }
         });
     }
@@ -183,23 +258,23 @@ where
             let sums = of_planes.chunks_exact_mut(of_plane);
             for ((axis, w), sums) in w.into_iter().enumerate().zip(sums) {
                 sums.fill(0.0);
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let first = row * values.len();
-                    let w = &mut w[first..][..values.len()];
-                    let known = [&last[axis], &flow.velocity[axis]].map(|of| &of[plane * points + first..][..w.len()]);
+                let (last, velocity) = (&last[axis][plane * points..], &flow.velocity[axis][plane * points..]);
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
+                for (row, w) in w.chunks_exact_mut(own.len()).enumerate() {
+                    let known = row * own.len()..(row + 1) * own.len();
+                    let (last, velocity) = (&last[known.clone()], &velocity[known]);
                     let of_rows = across(left, plane, row);
-                    for (k, (own, w)) in own.iter_mut().zip(w).enumerate() {
-                        let (correction, left) = (w.to_f64() - values[k], of_rows * left[D - 1][k]);
-                        *own = 0.0;
-                        if left < 1.0 {
-                            let tau_g = share * (known[0][k].to_f64() - known[1][k].to_f64());
-                            *own = (1.0 - left) * (correction - tau_g);
-                        }
-                        *w = R::rounded(correction - *own);
-                    }
                     let nothing = if of_rows == 1.0 { transfer.between_rims(FineBox::<D>::RIM) } else { 0..0 };
+                    for cells in [0..nothing.start, nothing.end..transfer.cells()[D - 1]] {
+                        for k in cells.flat_map(|cell| transfer.points_in(D - 1, cell)) {
+                            let tau_g = share * (last[k].to_f64() - velocity[k].to_f64());
+                            own[k] = (1.0 - of_rows * left[D - 1][k]) * (w[k].to_f64() - tau_g);
+                            w[k] = R::rounded(w[k].to_f64() - own[k]);
+                        }
+                    }
                     transfer.restrict_row(row, own, nothing, of_row, sums);
-                });
+                }
             }
         });
         damped.fill(0.0);
@@ -225,20 +300,16 @@ where
         let parts = parts.map(|(w, velocity)| (w, velocity, of_plane())).enumerate();
         team.share_with(room, nothing, parts, |(plane, (w, mut velocity, vorticity)), Room { rows, .. }| {
             for (axis, (w, u)) in w.into_iter().zip(velocity.iter_mut()).enumerate() {
-                transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                    let points = row * values.len()..(row + 1) * values.len();
-                    let pairs = w[points.clone()].iter_mut().zip(&mut u[points]);
-                    for ((w, u), coarse) in pairs.zip(values) {
-                        (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
-                    }
-                });
+                let values = transfer.interpolate(background.component(axis), plane, rows);
+                for ((w, u), coarse) in w.iter_mut().zip(&mut **u).zip(values) {
+                    (*w, *u) = (R::rounded(w.to_f64() + coarse), R::rounded(u.to_f64() + coarse));
+                }
             }
             for (component, omega) in vorticity.into_iter().flatten().enumerate() {
-                transfer.interpolate(background.component(D + component), plane, rows, |row, values| {
-                    let omega = &mut omega[row * values.len()..][..values.len()];
-                    let pairs = omega.iter_mut().zip(values);
-                    pairs.for_each(|(omega, coarse)| *omega = R::rounded(omega.to_f64() + coarse));
-                });
+                let values = transfer.interpolate(background.component(D + component), plane, rows);
+                for (omega, coarse) in omega.iter_mut().zip(values) {
+                    *omega = R::rounded(omega.to_f64() + coarse);
+                }
             }
             let mut here = R::zero();
             run(AdvectionRate { inv_spacing, velocity: velocity.each_ref().map(|u| &**u), largest: &mut here });
@@ -248,7 +319,7 @@ where
     }
 
     /// Refuse bodies that reach into the rim or where W is not 1.
-    fn check_places(&self, time: f64, problem: &Problem<D>) -> Result<(), Error> {
+    fn check_places(&self, time: f64, problem: &Problem<D>, stations: &[Stations<D>]) -> Result<(), Error> {
         let (grid, mut outside) = (&problem.grid, None);
         let mut check = |point: usize| {
             let mut rest = point;
@@ -261,10 +332,17 @@ where
         };
         problem.thin.for_each_force(grid, |point, _| check(point));
         problem.bodies.cells().for_each(|cell| check(cell.index));
-        let place = |point: usize| grid.point(point).to_vec();
-        outside.map_or(Ok(()), |point| {
-            Err(Error::Rim { time, place: place(point), rim: FineBox::<D>::RIM + FineBox::<D>::GROWTH })
-        })
+        let low = grid.moved(&self.way(None)).low();
+        let mut place = outside.map(|point| grid.image(point, &low).point(point).to_vec());
+        // A body that jumps may be in another period of the box.
+        let jumps =
+            |axis: usize| self.cells_left(axis, problem, stations).abs() * self.ratio > 0.5 * grid.cells[axis] as f64;
+        if let Some((body, _)) = self.follows
+            && (0..D).any(jumps)
+        {
+            place = Some(problem.place_of(body, stations).iter().copied().collect());
+        }
+        place.map_or(Ok(()), |place| Err(Error::Rim { time, place, rim: FineBox::<D>::RIM + FineBox::<D>::GROWTH }))
     }
 
     /// Add the forces on the fluid in the step to the impulse.
@@ -292,7 +370,7 @@ where
         self.coarse.look(step.dt);
         self.write_source(step.team);
         let scheme = self.fine.solve_in_space(step, flow, present, problem)?;
-        self.check_places(step.end, problem)?;
+        self.check_places(step.end, problem, step.stations)?;
         self.take_off(step.team, flow, scheme.c[0], step.dt, crossing_rate);
         // The flow before the last one is lost only if the sum is slow enough.
         let limit = step.limit() - self.coarse.advection_rate(&self.spacing);
@@ -338,7 +416,31 @@ where
         if let Memory::TwoGrids(memory) = memory {
             self.fine.two_step_mut().copy_from(&memory.fine);
             self.coarse.restore(&memory.coarse);
+            self.place_rim();
         }
+    }
+
+    fn place_grid(&mut self, way: Option<[f64; D]>, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+        let moved = std::array::from_fn::<_, D, _>(|axis| {
+            let left = match way {
+                Some(way) => self.coarse.cells_left(axis, way[axis]),
+                None => self.cells_left(axis, problem, &present.flexible.stations),
+            };
+            let [least, most] = self.range[axis];
+            (f64::from(self.coarse.link.moved[axis]) + left.round()).clamp(least, most) as i32
+        });
+        if moved[..] != self.coarse.link.moved {
+            let all = problem.grid.cells.map(|cells| 0..cells);
+            self.add_coarse_at(&all, -1.0, flow, 0.0);
+            self.coarse.place(&moved);
+            self.place_rim();
+            self.add_coarse_at(&all, 1.0, flow, 0.0);
+        }
+    }
+
+    fn way(&self, memory: Option<&Memory<R, D>>) -> [f64; D] {
+        let link = if let Some(Memory::TwoGrids(memory)) = memory { &memory.coarse.link } else { &self.coarse.link };
+        self.coarse.way(link)
     }
 
     fn start(
@@ -351,12 +453,16 @@ where
         let team = &Team::alone();
         self.coarse.start(velocity, present.time);
         let background: [_; D] = std::array::from_fn(|axis| {
-            let mut all = vec![];
-            self.interpolate(axis, |values| all.extend_from_slice(values));
+            let Self { coarse: Coarse { background, .. }, room, .. } = self;
+            let (transfer, mut all) = (&background.transfer, vec![]);
+            for plane in 0..transfer.planes() {
+                all.extend_from_slice(transfer.interpolate(background.component(axis), plane, &mut room[0].rows));
+            }
             all
         });
+        let low = problem.grid.moved(&self.way(None)).low();
         let correction = |grid: &Grid<D>, point: usize| {
-            let u = velocity(grid, point);
+            let u = velocity(&grid.image(point, &low), point);
             std::array::from_fn(|axis| u[axis] - background[axis][point])
         };
         self.fine.start(&correction, flow, present, problem);
@@ -373,19 +479,18 @@ where
         present: &mut Present<D>,
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
-        if !self.coarse.is_behind(step.dt) {
-            return self.step_fine(step, flow, present, problem);
+        if self.coarse.is_behind(step.dt) {
+            self.coarse.save_for_undo();
+            self.gather(step.team, flow, self.crossing_rate(present));
+            self.coarse.step(step)?;
+            self.step_fine(step, flow, present, problem).inspect_err(|_| self.coarse.undo())?;
+        } else {
+            self.step_fine(step, flow, present, problem)?;
         }
-        self.coarse.save_for_undo();
-        self.gather(step.team, flow, self.crossing_rate(present));
-        let mut made = self.coarse.reach(step);
-        if made.is_ok() {
-            made = self.step_fine(step, flow, present, problem);
+        if self.coarse.is_behind(step.dt) {
+            self.follow(flow, present, problem);
         }
-        if made.is_err() {
-            self.coarse.undo();
-        }
-        made
+        Ok(())
     }
 
     fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
@@ -405,14 +510,14 @@ where
         });
         // The pressure of the correction, less that of the force which the coarse flow received, is 0 at the end of the box.
         let plane = problem.grid.len() / transfer.planes();
-        let at_end = pi[..plane].iter().map(|pi| pi.to_f64()).sum::<f64>() / plane as f64 - of_force;
+        let at_end = pi[transfer.points_in(0, 0).start * plane..][..plane].iter().map(|pi| pi.to_f64()).sum::<f64>()
+            / plane as f64
+            - of_force;
         for (plane, pi) in pi.chunks_exact_mut(plane).enumerate() {
-            transfer.interpolate(pressure, plane, rows, |row, values| {
-                let pi = &mut pi[row * values.len()..][..values.len()];
-                pi.iter_mut()
-                    .zip(values)
-                    .for_each(|(pi, of_coarse)| *pi = R::rounded(pi.to_f64() - at_end + of_coarse));
-            });
+            let values = transfer.interpolate(pressure, plane, rows);
+            for (pi, of_coarse) in pi.iter_mut().zip(values) {
+                *pi = R::rounded(pi.to_f64() - at_end + of_coarse);
+            }
         }
         pi
     }
@@ -440,8 +545,8 @@ where
         });
     }
 
-    fn points_of_domain(&self, _: &Flow<R, D>) -> usize {
-        self.coarse.flow().velocity[0].len()
+    fn of_domain<'a>(&'a self, _: &'a Flow<R, D>) -> &'a Flow<R, D> {
+        self.coarse.flow()
     }
 
     fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {
@@ -461,34 +566,19 @@ where
     }
 }
 
-impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
-where
-    [f64; D]: Space<D>,
-{
-    /// Call `visit` with all rows of a component of the coarse flow on fine cells.
-    fn interpolate(&mut self, component: usize, mut visit: impl FnMut(&[f64])) {
-        let Self { coarse: Coarse { background, .. }, room, .. } = self;
-        for plane in 0..background.transfer.planes() {
-            let rows = &mut room[0].rows;
-            background.transfer.interpolate(background.component(component), plane, rows, |_, values| visit(values));
-        }
-    }
-}
-
 /// Take the coarse velocity off `w`.
 fn take_off_all<R: Real, const D: usize>(background: &Background<D>, w: &mut [Field<R>; D], rows: &mut Rows) {
     let transfer = &background.transfer;
     for (plane, w) in points_of_planes_mut(w, transfer.planes()).enumerate() {
         for (axis, w) in w.into_iter().enumerate() {
-            transfer.interpolate(background.component(axis), plane, rows, |row, values| {
-                let w = &mut w[row * values.len()..][..values.len()];
-                w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
-            });
+            let values = transfer.interpolate(background.component(axis), plane, rows);
+            w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
         }
     }
 }
 
 /// Return the product of a row's numbers along all axes but the last.
+#[inline(always)]
 fn across<const D: usize>(along: &[Vec<f64>; D], plane: usize, row: usize) -> f64 {
     if D == 2 { along[0][plane] } else { along[0][plane] * along[1][row] }
 }

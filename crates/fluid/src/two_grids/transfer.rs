@@ -3,9 +3,14 @@
 //! Interpolation I is a sum of cubic B-splines whose coefficients come from the values at the coarse points by a symmetric
 //! filter. Restriction S is the adjoint of the sum, over the number of fine cells in a coarse one: it keeps sums exactly,
 //! and smooths. Both are products over the axes.
+//!
+//! The fine points are periodic: a box that moves by a coarse cell leaves them in place, and the cells that it leaves
+//! behind become those that it newly covers.
 
 use std::array::from_fn;
 use std::ops::Range;
+
+use line_fft::{Arithmetic, Kernel, run};
 
 use crate::grid::Grid;
 use crate::kernel::cubic;
@@ -22,6 +27,10 @@ pub struct Transfer<const D: usize> {
     ratio: usize,
     /// Coarse cells across the fine box.
     cells: [usize; D],
+    /// Coarse point at the lower end of the fine box along each axis, before it has moved.
+    home: [usize; D],
+    /// Place among the fine points of the first coarse cell of the box along each axis, in coarse cells.
+    turned: [usize; D],
     /// Coarse points along each axis, in the first period, from [`REACH`] points before the first coefficient on.
     places: [Vec<usize>; D],
     /// Place on the patch of each of them, see [`Transfer::in_patch`].
@@ -34,7 +43,7 @@ pub struct Transfer<const D: usize> {
     filter: [f64; REACH + 1],
 }
 
-/// Room for the coefficients of a plane and of a row, and for the fine values of a row.
+/// Room for the coefficients of a plane and of a row, and for the fine values of a plane.
 #[derive(Clone, Default)]
 pub struct Rows {
     plane: Vec<f64>,
@@ -49,21 +58,66 @@ pub struct FilterRoom([Vec<f64>; 2]);
 impl<const D: usize> Transfer<D> {
     /// The transfer between a coarse grid and a fine box in it.
     pub fn new(coarse: &Grid<D>, fine: &FineBox<D>) -> Self {
-        let place = |axis: usize, i: usize| coarse.wrap(axis, (fine.first[axis] + i) as i64 - (1 + REACH) as i64);
-        let length = |axis: usize| fine.cells[axis] + MARGIN + 2 * REACH;
         let mut own = Self {
             ratio: fine.ratio,
             cells: fine.cells,
-            places: from_fn(|axis| (0..length(axis)).map(|i| place(axis, i)).collect()),
+            home: fine.first,
+            turned: [0; D],
+            places: from_fn(|axis| vec![0; fine.cells[axis] + MARGIN + 2 * REACH]),
             coarse: coarse.cells,
             weights: (0..fine.ratio).map(|p| cubic(p as f64 / fine.ratio as f64)).collect(),
             filter: low_pass(),
             on_patch: vec![],
         };
+        own.place(&[0; D]);
         let mut on_patch = vec![];
         own.for_each_place(0, 0, &mut |point| on_patch.push(own.in_patch(point) as u32));
         own.on_patch = on_patch;
         own
+    }
+
+    /// Put the fine box to where it is after moves by so many coarse cells along each axis.
+    pub fn place(&mut self, moved: &[i32]) {
+        for (axis, moved) in moved.iter().map(|moved| i64::from(*moved)).enumerate() {
+            self.turned[axis] = moved.rem_euclid(self.cells[axis] as i64) as usize;
+            let first = self.home[axis] as i64 + moved - (1 + REACH) as i64;
+            let place = |i: usize| (first + i as i64).rem_euclid(self.coarse[axis] as i64) as usize;
+            self.places[axis].iter_mut().enumerate().for_each(|(i, own)| *own = place(i));
+        }
+    }
+
+    /// Move the coefficients of a field with the box by a coarse cell along an axis, forwards or backwards. Those of the
+    /// cells that it newly covers are 0; those that it leaves are lost, or with `keeps` added to the nearest ones.
+    pub fn shift(&self, coefficients: &mut [f64], axis: usize, forwards: bool, keeps: bool) {
+        let extent = self.extent();
+        let inner: usize = extent[axis + 1..].iter().product();
+        let length = extent[axis] * inner;
+        for block in coefficients.chunks_exact_mut(length) {
+            // The first or last layer, the one that takes its place, and the one that becomes free.
+            let [lost, next, free] =
+                if forwards { [0, inner, length - inner] } else { [length - inner, length - 2 * inner, 0] };
+            (0..inner).filter(|_| keeps).for_each(|k| block[next + k] += block[lost + k]);
+            if forwards {
+                block.copy_within(inner.., 0);
+            } else {
+                block.copy_within(..length - inner, inner);
+            }
+            block[free..free + inner].fill(0.0);
+        }
+    }
+
+    /// Return the coarse cell of the box, counted along an axis from its lower end, that holds a fine point.
+    fn cell(&self, axis: usize, point: usize) -> usize {
+        let (place, turned) = (point / self.ratio, self.turned[axis]);
+        if place >= turned { place - turned } else { place + self.cells[axis] - turned }
+    }
+
+    /// Return the fine points along an axis in a coarse cell of the box.
+    #[inline(always)]
+    pub fn points_in(&self, axis: usize, cell: usize) -> Range<usize> {
+        let place = cell + self.turned[axis];
+        let first = if place < self.cells[axis] { place } else { place - self.cells[axis] } * self.ratio;
+        first..first + self.ratio
     }
 
     /// Return the number of coefficients along each axis.
@@ -91,13 +145,28 @@ impl<const D: usize> Transfer<D> {
         self.cells[0] * self.ratio
     }
 
+    /// Return the number of fine points of a row.
+    pub fn row_points(&self) -> usize {
+        self.cells[D - 1] * self.ratio
+    }
+
+    /// Return the number of fine rows of a plane across x.
+    fn rows_of_plane(&self) -> usize {
+        if D == 2 { 1 } else { self.cells[1] * self.ratio }
+    }
+
+    /// Return the number of coarse cells across the fine box along each axis.
+    pub fn cells(&self) -> &[usize; D] {
+        &self.cells
+    }
+
     /// Return room for rows.
     pub fn rows(&self) -> Rows {
         let last = D - 1;
         Rows {
             plane: vec![0.0; self.plane_len()],
             row: vec![0.0; self.extent()[last]],
-            values: vec![0.0; self.cells[last] * self.ratio],
+            values: vec![0.0; self.rows_of_plane() * self.row_points()],
         }
     }
 
@@ -201,16 +270,21 @@ impl<const D: usize> Transfer<D> {
         self.cells[1..].iter().product()
     }
 
+    /// Return how many coarse points along an axis a point lies behind the lower end of the box.
+    fn points_behind(&self, axis: usize, point: usize) -> usize {
+        let first = self.places[axis][1 + REACH];
+        if point >= first { point - first } else { point + self.coarse[axis] - first }
+    }
+
     /// Return the fine point at the place of a coarse one, if it is in the fine box.
-    pub fn in_box(&self, point: usize) -> Option<usize> {
+    fn in_box(&self, point: usize) -> Option<usize> {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
-            let first = self.places[axis][1 + REACH];
-            let from_first = (rest % self.coarse[axis]).wrapping_sub(first);
+            let from_first = self.points_behind(axis, rest % self.coarse[axis]);
             if from_first >= self.cells[axis] {
                 return None;
             }
-            own += from_first * self.ratio * stride;
+            own += self.points_in(axis, from_first).start * stride;
             stride *= self.cells[axis] * self.ratio;
             rest /= self.coarse[axis];
         }
@@ -222,11 +296,11 @@ impl<const D: usize> Transfer<D> {
         let (length, first) = (self.coarse[D - 1], self.places[D - 1][1 + REACH]);
         for row in points.start / length..points.end.div_ceil(length) {
             let start = row * length;
-            let own = self.in_box(start + first);
+            let own = self.in_box(start + first).map(|own| own - self.points_in(D - 1, 0).start);
             for point in start.max(points.start)..(start + length).min(points.end) {
-                let from_first = (point - start).wrapping_sub(first);
+                let from_first = self.points_behind(D - 1, point - start);
                 let inside = own.filter(|_| from_first < self.cells[D - 1]);
-                visit(point, inside.map(|own| own + from_first * self.ratio));
+                visit(point, inside.map(|own| own + self.points_in(D - 1, from_first).start));
             }
         }
     }
@@ -237,53 +311,45 @@ impl<const D: usize> Transfer<D> {
         self.for_each_of(0..points, |point, own| own.into_iter().for_each(|own| visit(point, own)));
     }
 
-    /// Call `visit(row, values)` with each row of a fine plane across x: its number, and the interpolated values.
-    pub fn interpolate(
-        &self,
-        coefficients: &[f64],
-        plane: usize,
-        Rows { plane: of_plane, row: of_row, values }: &mut Rows,
-        mut visit: impl FnMut(usize, &[f64]),
-    ) {
-        let extent = self.extent();
-        let (first, weights) = self.weights_at(plane);
-        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
-        if D == 2 {
-            self.expand(of_plane, values);
-            return visit(0, values);
-        }
-        for row in 0..self.cells[1] * self.ratio {
-            let (first, weights) = self.weights_at(row);
-            combine(&of_plane[first * extent[D - 1]..], &weights, of_row);
-            self.expand(of_row, values);
-            visit(row, values);
-        }
+    /// Return the interpolated values of a fine plane across x.
+    pub fn interpolate<'a>(&self, coefficients: &[f64], plane: usize, rows: &'a mut Rows) -> &'a [f64] {
+        run(Interpolation { transfer: self, coefficients, plane, rows: &mut *rows });
+        &rows.values
     }
 
     /// Write the fine values of a row with such coefficients.
+    #[inline(always)]
     fn expand(&self, coefficients: &[f64], values: &mut [f64]) {
-        if self.ratio == 4 {
-            let columns: [[f64; 4]; 4] = from_fn(|k| from_fn(|p| self.weights[p][k]));
-            for (values, c) in values.as_chunks_mut::<4>().0.iter_mut().zip(coefficients.windows(4)) {
-                *values = from_fn(|p| {
-                    columns[0][p] * c[0] + columns[1][p] * c[1] + columns[2][p] * c[2] + columns[3][p] * c[3]
-                });
-            }
-            return;
-        }
-        for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
-            for (value, w) in values.iter_mut().zip(&self.weights) {
-                *value = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
+        let turned = self.turned[D - 1];
+        let (behind, ahead) = values.split_at_mut(turned * self.ratio);
+        self.expand_cells(coefficients, ahead);
+        self.expand_cells(&coefficients[self.cells[D - 1] - turned..], behind);
+    }
+
+    /// Write the fine values of some neighbouring coarse cells.
+    #[inline(always)]
+    fn expand_cells(&self, coefficients: &[f64], values: &mut [f64]) {
+        match self.ratio {
+            2 => expand::<2>(&self.weights, coefficients, values),
+            4 => expand::<4>(&self.weights, coefficients, values),
+            _ => {
+                for (values, c) in values.chunks_exact_mut(self.ratio).zip(coefficients.windows(4)) {
+                    for (value, w) in values.iter_mut().zip(&self.weights) {
+                        *value = w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3];
+                    }
+                }
             }
         }
     }
 
     /// Return the first coefficient of a fine point along an axis, and the weights from there on.
-    fn weights_at(&self, point: usize) -> (usize, [f64; 4]) {
-        (point / self.ratio, self.weights[point % self.ratio])
+    #[inline(always)]
+    fn weights_at(&self, axis: usize, point: usize) -> (usize, [f64; 4]) {
+        (self.cell(axis, point), self.weights[point % self.ratio])
     }
 
     /// Return the coarse cells along the last axis that lie between rims of a width in cells.
+    #[inline(always)]
     pub fn between_rims(&self, rim: f64) -> Range<usize> {
         let rim = rim.ceil() as usize;
         rim..self.cells[D - 1] - rim
@@ -300,26 +366,33 @@ impl<const D: usize> Transfer<D> {
         of_plane: &mut [f64],
     ) {
         let last = self.extent()[D - 1];
+        let gather = |sums: &mut [f64]| run(Gathering { transfer: self, values, nothing: nothing.clone(), sums });
         if D == 2 {
-            return self.gather(values, nothing, of_plane);
+            return gather(of_plane);
         }
         of_row.fill(0.0);
-        self.gather(values, nothing, of_row);
-        let (first, weights) = self.weights_at(row);
+        gather(of_row);
+        let (first, weights) = self.weights_at(1, row);
         for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
             of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
         }
     }
 
+    #[inline(always)]
     fn gather(&self, values: &[f64], nothing: Range<usize>, coefficients: &mut [f64]) {
-        let cells = (0..nothing.start).chain(nothing.end..self.cells[D - 1]);
-        for cell in cells {
-            let values = &values[cell * self.ratio..][..self.ratio];
-            let mut sums = [0.0; 4];
-            for (value, w) in values.iter().zip(&self.weights) {
-                sums = from_fn(|k| sums[k] + w[k] * value);
+        for cells in [0..nothing.start, nothing.end..self.cells[D - 1]] {
+            for cell in cells {
+                let values = &values[self.points_in(D - 1, cell)];
+                let mut sums = [0.0; 4];
+                for (value, w) in values.iter().zip(&self.weights) {
+                    for k in 0..4 {
+                        sums[k] += w[k] * value;
+                    }
+                }
+                for k in 0..4 {
+                    coefficients[cell + k] += sums[k];
+                }
             }
-            (0..4).for_each(|k| coefficients[cell + k] += sums[k]);
         }
     }
 
@@ -327,7 +400,7 @@ impl<const D: usize> Transfer<D> {
     pub fn restrict_planes<'a>(&self, of_planes: impl Iterator<Item = &'a [f64]>, factor: f64, sums: &mut [f64]) {
         let (length, factor) = (self.plane_len(), factor / self.fine_cells());
         for (plane, of_plane) in of_planes.enumerate() {
-            let (first, weights) = self.weights_at(plane);
+            let (first, weights) = self.weights_at(0, plane);
             for (sums, weight) in sums[first * length..].chunks_exact_mut(length).zip(weights) {
                 sums.iter_mut().zip(of_plane).for_each(|(sum, own)| *sum += factor * weight * own);
             }
@@ -340,7 +413,7 @@ impl<const D: usize> Transfer<D> {
         let mut along = [(0, [0.0; 4]); D];
         for axis in (0..D).rev() {
             let points = self.cells[axis] * self.ratio;
-            along[axis] = self.weights_at(rest % points);
+            along[axis] = self.weights_at(axis, rest % points);
             rest /= points;
         }
         let scale = 1.0 / self.fine_cells();
@@ -360,19 +433,77 @@ impl<const D: usize> Transfer<D> {
         (self.ratio as f64).powi(D as i32)
     }
 
-    /// Return a number for each fine point along an axis, by its distance from the nearest end of the fine box in coarse
-    /// cells.
-    pub fn by_distance(&self, axis: usize, value: impl Fn(f64) -> f64) -> Vec<f64> {
-        let points = self.cells[axis] * self.ratio;
-        (0..points).map(|i| value(i.min(points - i) as f64 / self.ratio as f64)).collect()
+    /// Return the distance of a fine point along an axis from the nearest end of the fine box, coarse cells.
+    pub fn distance_from_end(&self, axis: usize, point: usize) -> f64 {
+        let from_low = self.cell(axis, point) * self.ratio + point % self.ratio;
+        from_low.min(self.cells[axis] * self.ratio - from_low) as f64 / self.ratio as f64
+    }
+}
+
+/// Restriction of a row along it.
+struct Gathering<'a, const D: usize> {
+    transfer: &'a Transfer<D>,
+    values: &'a [f64],
+    nothing: Range<usize>,
+    sums: &'a mut [f64],
+}
+
+impl<const D: usize> Kernel for Gathering<'_, D> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic<f64>) {
+        self.transfer.gather(self.values, self.nothing, self.sums);
+    }
+}
+
+/// See [`Transfer::interpolate`].
+struct Interpolation<'a, const D: usize> {
+    transfer: &'a Transfer<D>,
+    coefficients: &'a [f64],
+    plane: usize,
+    rows: &'a mut Rows,
+}
+
+impl<const D: usize> Kernel for Interpolation<'_, D> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic<f64>) {
+        let Self { transfer, coefficients, plane, rows: Rows { plane: of_plane, row: of_row, values } } = self;
+        let (first, weights) = transfer.weights_at(0, plane);
+        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
+        if D == 2 {
+            return transfer.expand(of_plane, values);
+        }
+        for (row, values) in values.chunks_exact_mut(transfer.row_points()).enumerate() {
+            let (first, weights) = transfer.weights_at(1, row);
+            combine(&of_plane[first * of_row.len()..], &weights, of_row);
+            transfer.expand(of_row, values);
+        }
+    }
+}
+
+/// Write the fine values of some coarse cells with so many each.
+#[inline(always)]
+fn expand<const RATIO: usize>(weights: &[[f64; 4]], coefficients: &[f64], values: &mut [f64]) {
+    let mut columns = [[0.0; RATIO]; 4];
+    for (k, column) in columns.iter_mut().enumerate() {
+        column.iter_mut().zip(weights).for_each(|(column, weights)| *column = weights[k]);
+    }
+    for (values, c) in values.as_chunks_mut::<RATIO>().0.iter_mut().zip(coefficients.windows(4)) {
+        for p in 0..RATIO {
+            values[p] = columns[0][p] * c[0] + columns[1][p] * c[1] + columns[2][p] * c[2] + columns[3][p] * c[3];
+        }
     }
 }
 
 /// Write the sum of four neighbouring planes or rows with weights.
+#[inline(always)]
 fn combine(coefficients: &[f64], weights: &[f64; 4], sum: &mut [f64]) {
     let length = sum.len();
-    let part = |k: usize| &coefficients[k * length..][..length];
-    let [a, b, c, d] = [0, 1, 2, 3].map(part);
+    let (a, b) = (&coefficients[..length], &coefficients[length..][..length]);
+    let (c, d) = (&coefficients[2 * length..][..length], &coefficients[3 * length..][..length]);
     for (i, sum) in sum.iter_mut().enumerate() {
         *sum = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
     }
@@ -406,7 +537,7 @@ mod tests {
 
     fn between<const D: usize>() -> (Grid<D>, Grid<D>, Transfer<D>) {
         let coarse = Grid::new([[0.0, 2.0]; D], std::array::from_fn(|axis| 20 + 2 * axis));
-        let fine = FineBox { first: [4; D], cells: std::array::from_fn(|axis| 10 + axis), ratio: 3 };
+        let fine = FineBox { first: [4; D], cells: std::array::from_fn(|axis| 10 + axis), ratio: 3, follows: None };
         (coarse, fine.grid(&coarse), Transfer::new(&coarse, &fine))
     }
 
@@ -414,7 +545,7 @@ mod tests {
         let (mut coefficients, mut all, mut rows) = (vec![0.0; transfer.len()], vec![], transfer.rows());
         transfer.write_coefficients(|point, _| field[point], &mut FilterRoom::default(), &mut coefficients);
         for plane in 0..transfer.planes() {
-            transfer.interpolate(&coefficients, plane, &mut rows, |_, values| all.extend_from_slice(values));
+            all.extend_from_slice(transfer.interpolate(&coefficients, plane, &mut rows));
         }
         all
     }
@@ -469,11 +600,56 @@ mod tests {
         coarse_cells_receive_the_momentum_of_fine_ones::<3>();
     }
 
+    /// Interpolate and restrict on a box that has moved as on one that was made there, over an end of the domain.
+    fn a_moved_box_is_one_made_there<const D: usize>() {
+        let (coarse, _, mut moved) = between::<D>();
+        let way: [i32; D] = std::array::from_fn(|axis| [-7, 13, 1][axis]);
+        let first = std::array::from_fn(|axis| coarse.wrap(axis, 4 + i64::from(way[axis])));
+        let made = Transfer::new(&coarse, &FineBox { first, cells: moved.cells, ratio: moved.ratio, follows: None });
+        moved.place(&way);
+        let field = numbers(coarse.len());
+        let [on_moved, on_made] = [&moved, &made].map(|transfer| interpolated(transfer, &field));
+        let points = moved.cells.map(|cells| cells * moved.ratio);
+        let turned = (0..on_made.len()).map(|point| {
+            let (mut rest, mut own, mut stride) = (point, 0, 1);
+            for axis in (0..D).rev() {
+                let along = rest % points[axis];
+                own += (moved.points_in(axis, along / moved.ratio).start + along % moved.ratio) * stride;
+                stride *= points[axis];
+                rest /= points[axis];
+            }
+            own
+        });
+        let turned = turned.collect::<Vec<_>>();
+        assert!(turned.iter().zip(&on_made).all(|(place, expected)| on_moved[*place] == *expected));
+        let mut values = vec![0.0; turned.len()];
+        let given = numbers(turned.len());
+        turned.iter().zip(&given).for_each(|(place, given)| values[*place] = *given);
+        let [found, expected] =
+            [(&moved, &values), (&made, &given)].map(|(of, values)| restricted(of, coarse.len(), values));
+        let largest = found.iter().zip(&expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(largest < 1e-13, "{largest}");
+        moved.for_each_in_box(|point, own| assert!(on_moved[own].is_finite() && point < coarse.len()));
+        // Coefficients move with the box, and keep their sum.
+        let (mut list, before) = (numbers(moved.len()), numbers(moved.len()).iter().sum::<f64>());
+        for (axis, forwards) in [(0, true), (D - 1, false)] {
+            moved.shift(&mut list, axis, forwards, true);
+        }
+        let after = list.iter().sum::<f64>();
+        assert!((after - before).abs() < 1e-12, "{after} of {before}");
+    }
+
+    #[test]
+    fn a_moved_box_is_one_made_there_in_the_plane_and_in_space() {
+        a_moved_box_is_one_made_there::<2>();
+        a_moved_box_is_one_made_there::<3>();
+    }
+
     #[test]
     fn interpolation_has_the_fourth_order_and_knows_nothing_of_the_highest_wave() {
         let error = |cells: usize| {
             let coarse = Grid::new([[0.0, 1.0]; 2], [cells; 2]);
-            let fine = FineBox { first: [3; 2], cells: [12; 2], ratio: 4 };
+            let fine = FineBox { first: [3; 2], cells: [12; 2], ratio: 4, follows: None };
             let (own, transfer) = (fine.grid(&coarse), Transfer::new(&coarse, &fine));
             let wave = |[x, y]: [f64; 2]| (6.0 * x + 0.3).sin() * (5.0 * y).cos();
             let field: Vec<_> = (0..coarse.len()).map(|point| wave(coarse.point(point))).collect();
