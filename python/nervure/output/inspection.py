@@ -130,12 +130,7 @@ def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield scheme, table, memory and wall time of a scene, by name, from its first steps."""
     before = forecast.resident_memory()
     with Session(scene) as session:
-        pace = forecast.Pace(session)
-        session.observers = [pace]
-        status = session.run(stopping=lambda: pace.total is not None and session.wall > TIMED)
-        if status.error is not None:
-            raise UnitError(status.error)
-        wall = status.wall if status.completed or pace.total is None else pace.total
+        wall = forecast.measured(session, TIMED)
         resident = forecast.resident_memory()
     recorder = session.recorder
     yield from forecast.scheme_rows(session)

@@ -1,0 +1,452 @@
+"""A verification: runs in rounds, from the cheap ones on, until the bars are narrow enough or the budget ends."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import time
+
+from nervure.catalogue import hint
+from nervure.errors import InputError, SceneError, UnitError
+from nervure.evaluate import statistics
+from nervure.output import forecast
+from nervure.scene import Scene, document
+from nervure.simulation import results, sweep
+from nervure.simulation.session import Session
+from nervure.simulation.summary import Summary, is_force
+from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
+from nervure.simulation.verified import Quantity, Share, Verified, physics, sizes
+from nervure.verification.estimate import estimate, noise_of
+from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
+
+ROUNDS = 8  # Most rounds of a verification
+TRIED = 0.15  # Wall time of the steps that measure the pace, s
+TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
+MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
+MEAN = 0.1  # The same of a mean beside its own amplitude
+SHARED = 0.5  # Part of the tolerance that a recommended setting leaves to all parameters but the first
+FINEST = 0.125  # Smallest recommended size
+STATISTICS = ("mean", "amplitude", "frequency_hz")
+
+
+@dataclass
+class Costs:
+    """Wall times of runs, s, from their work and the pace of the runs nearest to them."""
+
+    known: list[tuple[float, float]] = field(default_factory=list)  # Work and wall time, s
+
+    def measure(self, setting: Setting) -> None:
+        """Measure the pace of a setting by its first steps, with the time until these begin."""
+        begin = time()
+        with suppress(UnitError), Session(setting.scene) as session:  # A run that fails at once says so later
+            ready = time() - begin
+            self.known.append((setting.work, ready + forecast.measured(session, TRIED)))
+
+    def of(self, work: float) -> float:
+        """Return the expected wall time of a run, s."""
+        if not self.known:
+            return 0.0
+        nearest = min(self.known, key=lambda one: abs(math.log(one[0] / work)))
+        return nearest[1] * work / nearest[0]
+
+
+@dataclass
+class Progress:
+    """What a verification tells, and where its runs report their steps."""
+
+    say: Callable[[str], None]
+    steps: Callable[[list[Case]], sweep.Progress] = lambda _: lambda _runs, _steps: None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A finished verification: what is known, and the settings with the rows of their runs, in the order of the plan."""
+
+    verified: Verified | None  # None where no run gave a value
+    plan: Plan
+    runs: list[tuple[Setting, Row]]
+    recommended: Scene | None
+    front: list[tuple[float, float]]  # Expected wall time, s, and largest relative error of finer and coarser settings
+    problems: list[str]  # Why something is missing, in sentences
+
+    @property
+    def reached(self) -> bool:
+        """Whether all bars are within the tolerance."""
+        return self.verified is not None and self.verified.reached
+
+
+def verify(
+    scene: Scene,
+    folder: Path,
+    within: float,
+    budget: float,
+    quantities: Sequence[str] = (),
+    parameters: Sequence[str] = (),
+    workers: int | None = None,
+    scheduler: str | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Outcome:
+    """Find the errors of `scene` by runs into `folder` until all bars are `within` a part of the values, or for at most
+    `budget` (s) of wall time."""
+    own = _Verification(scene, folder, within, budget, quantities, parameters, workers, scheduler, force, progress)
+    return own.run()
+
+
+class _Verification:
+    def __init__(
+        self,
+        scene: Scene,
+        folder: Path,
+        within: float,
+        budget: float,
+        quantities: Sequence[str],
+        parameters: Sequence[str],
+        workers: int | None,
+        scheduler: str | None,
+        force: bool,
+        progress: Progress | None,
+    ):
+        self.begin, self.scene, self.folder, self.within, self.budget = time(), scene, folder, within, budget
+        self.wanted, self.workers, self.scheduler, self.force = list(quantities), workers, scheduler, force
+        self.progress = progress or Progress(lambda _: None)
+        self.plan, self.costs = Plan(scene, list(parameters)), Costs()
+        self.settings: dict[str, Setting] = {}
+        self.rows: dict[str, Row] = {}
+        self.noise: dict[tuple[str, str], float] = {}  # By folder and column
+        self.names: list[str] = []
+        self.units: dict[str, str] = {}
+        self.problems: list[str] = []
+        self.refused: set[str] = set()  # Runs that the budget does not allow
+
+    @property
+    def left(self) -> float:
+        """Wall time that is left, s."""
+        return self.begin + self.budget - time()
+
+    def run(self) -> Outcome:
+        todo = self._first_round()
+        for _ in range(ROUNDS):
+            self._make(todo)
+            self._choose_quantities()
+            found = self._found()
+            if found and self._reached(found):
+                break
+            todo = [one for one in self._next_round(found) if self._allowed(one)] if found else []
+            if not todo:
+                break
+        return self._outcome()
+
+    def _first_round(self) -> list[Setting]:
+        """Return the first settings: those of the scene, or of coarser ones where these cost too much."""
+        cheapest = math.inf
+        for top in TOPS:
+            settings = list(self.plan.first_settings(top))
+            if not settings:
+                raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
+            if not self.costs.known:
+                for setting in (settings[0], settings[-1])[: len({one.work for one in settings})]:
+                    self.costs.measure(setting)
+            known = [self._known(one) for one in settings]
+            costs = [0.0 if done else self.costs.of(one.work) for one, done in zip(settings, known, strict=True)]
+            cheapest = min(cheapest, sum(sorted(costs)[:2]))
+            if sum(costs) <= self.left:
+                break
+        else:
+            first = sorted(settings, key=lambda one: one.work)
+            kept, spent = [], 0.0
+            for one in first:
+                spent += self.costs.of(one.work)
+                if spent <= self.left and (one.factors.keys() == {self.plan.first.name} or len(kept) > 1):
+                    kept.append(one)
+            settings = kept
+        if len(settings) < 2:
+            raise InputError(
+                f"the budget of {forecast.duration(self.budget)} is too small for two runs of {self.scene.name}: the "
+                f"cheapest two take about {forecast.duration(cheapest)}"
+            )
+        if top > 1.0:
+            self.problems.append(
+                f"the scene itself does not fit into the budget; the finest run has {top:.3g} times its "
+                f"{self.plan.first.name}"
+            )
+        total = sum(self.costs.of(one.work) for one in settings if not self._known(one))
+        self.progress.say(
+            f"{len(settings)} runs, about {forecast.duration(total)} of a budget of {forecast.duration(self.budget)}: "
+            + "; ".join(one.name for one in settings)
+        )
+        self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
+        return sorted(settings, key=lambda one: one.work)
+
+    def _left_out(self) -> str:
+        return "; ".join(f"{name}: {why}" for name, why in self.plan.left_out.items())
+
+    def _known(self, setting: Setting) -> bool:
+        """Return whether an earlier verification made a run."""
+        row = sweep.earlier_row(self._case(setting), self.folder)
+        return row is not None and row["status"] in (FINISHED, FAILED)
+
+    def _case(self, setting: Setting) -> Case:
+        scene = document(setting.scene)
+        return Case(scene, dict(setting.factors), sweep.key_of(scene), setting.name)
+
+    def _allowed(self, setting: Setting) -> bool:
+        """Return whether a run fits into what is left of the budget."""
+        if self._known(setting) or (cost := self.costs.of(setting.work)) <= self.left:
+            return True
+        self.refused.add(
+            f"{setting.name} would take about {forecast.duration(cost)}, {forecast.duration(max(0.0, self.left))} left"
+        )
+        return False
+
+    def _make(self, todo: Iterable[Setting]) -> None:
+        """Make the runs `todo` that have no row, the cheap ones first, and read what they found."""
+        for setting in todo:
+            self.settings[setting.name] = setting
+        cases = {name: self._case(setting) for name, setting in self.settings.items()}
+        missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
+        count = self.progress.steps(missing)
+        rows = sweep.run(
+            list(cases.values()),
+            self.folder,
+            self.scheduler,
+            missing,
+            self.force,
+            self.progress.say,
+            count,
+            1 if self.scheduler is None and len(missing) == 1 else self.workers,
+            lambda case: self._allowed(self.settings[case.folder]),
+            self.begin + self.budget,
+        )
+        for row in rows:
+            setting = self.settings[row["folder"]]
+            if row["status"] == FINISHED and row["folder"] not in self.rows:
+                self.costs.known.append((setting.work, row["wall_s"]))
+            elif row["folder"] not in self.rows:
+                self.problems.append(f"the run {setting.name} {row['status']}: {row['reason']}")
+            self.rows[row["folder"]] = row
+
+    def _finished(self) -> dict[str, Row]:
+        return {name: row for name, row in self.rows.items() if row["status"] == FINISHED}
+
+    def _sequence(self) -> list[Setting]:
+        """Return the finished settings of the first parameter, the finest first."""
+        first = self.plan.first.name
+        found = [
+            self.settings[name] for name in self._finished() if self.settings[name].factors.keys() <= {first}
+        ]
+        return sorted(found, key=lambda one: one.sizes[first])
+
+    def _choose_quantities(self) -> None:
+        """Choose the quantities by the finest run, and read the statistical errors of new runs."""
+        if not (sequence := self._sequence()):
+            return
+        finest = results.read(self.folder / sequence[0].name).summary
+        self.names = chosen(finest, self.rows[sequence[0].name], self.wanted)
+        self.units = {name: unit_of(name, finest) for name in self.names}
+        for folder in self._finished():
+            if (folder, self.names[0]) not in self.noise:
+                made = results.read(self.folder / folder)
+                window = made.summary.window
+                width = statistics.force_filter_width(window) if window else 0.0
+                for name in self.names:
+                    self.noise[folder, name] = noise_of(name, made.series, window, width)
+
+    def _share(self, name: str, settings: Sequence[Setting], parameter: str) -> Share | None:
+        """Return the error of a quantity by a parameter from the runs that have it."""
+        having = [one for one in settings if isinstance(self.rows[one.name].get(name), int | float)]
+        if not having:
+            return None
+        return estimate(
+            [one.sizes[parameter] for one in having],
+            [self.rows[one.name][name] for one in having],
+            [self.noise.get((one.name, name), 0.0) for one in having],
+        )
+
+    def _found(self) -> dict[str, Quantity]:
+        """Return what is known of each quantity; nothing before two runs of the first parameter."""
+        sequence = self._sequence()
+        if len(sequence) < 2:
+            return {}
+        found = {}
+        for name in self.names:
+            first = self._share(name, sequence, self.plan.first.name)
+            if first is None or len(first.values) < 2:
+                continue
+            shares = {self.plan.first.name: first}
+            for parameter in self.plan.others:
+                beside = self._beside(parameter)
+                if len(beside) > 1 and (share := self._share(name, beside, parameter.name)):
+                    shares[parameter.name] = share
+            row = self.rows[sequence[0].name]
+            value = float(row[name])
+            counted = [share for key, share in shares.items() if not self._is_part(key)]
+            reached = {self.plan.first.name: min(first.sizes) * sequence[0].sizes[self.plan.first.name]}
+            error = sum(share.error(reached.get(key, 1.0)) for key, share in shares.items() if not self._is_part(key))
+            amplitude = row.get(f"{name.removesuffix('_mean')}_amplitude") if name.endswith("_mean") else None
+            found[name] = Quantity(
+                value=value,
+                limit=value - error,
+                uncertainty=math.hypot(*(share.uncertainty for share in counted)),
+                scale=max(abs(value), abs(amplitude or 0.0)),
+                unit=self.units[name],
+                shares=shares,
+            )
+        return found
+
+    def _is_part(self, parameter: str) -> bool:
+        """Return whether the first parameter has the errors of another one too: steps follow the cells."""
+        return parameter == "step" and self.plan.first.name == "cells"
+
+    def _beside(self, parameter: Parameter) -> list[Setting]:
+        """Return the finished settings in which only `parameter` differs from the coarsest one."""
+        done = [self.settings[name] for name in self._finished()]
+        own = [one for one in done if parameter.name in one.factors]
+        if not own:
+            return []
+        base = {key: value for key, value in own[0].factors.items() if key != parameter.name}
+        return [one for one in done if {k: v for k, v in one.factors.items() if k != parameter.name} == base]
+
+    def _reached(self, found: dict[str, Quantity]) -> bool:
+        return bool(found) and all(one.uncertainty <= self.within * one.scale for one in found.values())
+
+    def _next_round(self, found: dict[str, Quantity]) -> list[Setting]:
+        """Return finer settings of the parameters that make most of the bars that are too wide."""
+        wide = [one for one in found.values() if one.uncertainty > self.within * one.scale]
+        limit = self.within / ROOT2
+        wanted = []
+        for parameter in self.plan.parameters:
+            shares = [(one, share) for one in wide if (share := one.shares.get(parameter.name))]
+            if self._is_part(parameter.name) or all(s.uncertainty <= limit * q.scale for q, s in shares):
+                continue
+            wanted.append(self._finer(parameter))
+        return [one for one in wanted if one is not None and one.name not in self.settings]
+
+    def _finer(self, parameter: Parameter) -> Setting | None:
+        """Return the next finer setting of a parameter; None where the scene cannot have it."""
+        try:
+            if parameter is self.plan.first:
+                least = min(one.factors[parameter.name] for one in self._sequence())
+                return self.plan.setting({parameter.name: round(least / ROOT2, 6)})
+            beside = self._beside(parameter)
+            base: Factors = {key: value for key, value in beside[0].factors.items() if key != parameter.name}
+            return self.plan.setting({**base, parameter.name: parameter.outward}) if beside else None
+        except SceneError as error:
+            self.problems.append(f"{parameter.name} cannot be finer: {error}")
+            return None
+
+    def _outcome(self) -> Outcome:
+        found, rows = self._found(), self._finished()
+        runs = [(self.settings[name], row) for name, row in self.rows.items()]
+        self.problems += [f"the budget ended: {why}" for why in sorted(self.refused)]
+        if not found:
+            self.problems.append("fewer than two runs of the first parameter gave values: nothing is known of errors")
+            return Outcome(None, self.plan, runs, None, [], self.problems)
+        recommended, front = self._recommend(found)
+        verified = Verified(
+            scene=self.scene.name,
+            physics=physics(self.scene),
+            sizes=self.plan.sizes,
+            quantities=found,
+            within=self.within,
+            reached=self._reached(found),
+            runs=len(rows),
+            wall_s=sum(row["wall_s"] for row in rows.values()),
+        )
+        if recommended:
+            scene, expected, wall = recommended
+            relative = {name: size / self.plan.sizes[name] for name, size in sizes(scene).items()}
+            verified = replace(
+                verified, recommended=relative, recommended_error=expected, recommended_wall_s=wall
+            )
+        verified.write(self.folder)
+        return Outcome(verified, self.plan, runs, recommended[0] if recommended else None, front, self.problems)
+
+    def _recommend(
+        self, found: dict[str, Quantity]
+    ) -> tuple[tuple[Scene, float, float] | None, list[tuple[float, float]]]:
+        """Return the cheapest setting whose errors are within the tolerance, with its error and wall time, s, and the
+        front of error over time."""
+        others: dict[str, float] = {}
+        for parameter in self.plan.others:
+            size = 1.0
+            while not self._is_part(parameter.name) and size > FINEST and _beyond(found, parameter.name, size, self.within):
+                size *= parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
+            if size != 1.0:
+                others[parameter.name] = size
+        first, best, front = self.plan.first.name, None, list[tuple[float, float]]()
+        finest = self._sequence()[0].sizes[first]
+        size = max(one.sizes[first] for one in self._sequence())
+        while size >= FINEST:
+            try:
+                setting = self.plan.setting({first: size, **others})
+            except SceneError:
+                size /= 2 ** 0.25
+                continue
+            error = max(_expected(one, setting.sizes, finest, first) / one.scale for one in found.values())
+            front.append((self.costs.of(setting.work), error))
+            if error <= self.within and best is None:
+                best = setting.scene, error, front[-1][0]
+            if best and size < finest / ROOT2:
+                break
+            size /= 2 ** 0.25
+        return best, front
+
+
+def _beyond(found: dict[str, Quantity], parameter: str, size: float, within: float) -> bool:
+    """Return whether the error by a parameter of a size is larger than its part of the tolerance."""
+    return any(
+        abs(share.error(size)) > SHARED * within * one.scale
+        for one in found.values()
+        if (share := one.shares.get(parameter))
+    )
+
+
+def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) -> float:
+    """Return the expected error of a run: of sizes below those of the runs, the bar shrinks with the error."""
+    share = quantity.shares[first]
+    order = min((exponent for _, exponent in share.terms), default=1.0)
+    shrunk = min(1.0, (relative[first] / finest) ** order)
+    return quantity.error(relative) - quantity.uncertainty * (1 - shrunk)
+
+
+def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
+    """Return the columns of the table of runs that are verified: those of the `wanted` outputs, or of all outputs that
+    are not small beside others of their unit."""
+    found = []
+    largest: dict[str, float] = {}
+    for name, quantity in summary.quantities.items():
+        kind = "force" if is_force(name) else quantity.unit
+        largest[kind] = max(largest.get(kind, 0.0), abs(quantity.mean) + quantity.amplitude)
+    for name, quantity in summary.quantities.items():
+        kind = "force" if is_force(name) else quantity.unit
+        if wanted and name not in wanted:
+            continue
+        if quantity.state == "rounding" or (
+            not wanted and abs(quantity.mean) + quantity.amplitude < MINOR * largest[kind]
+        ):
+            continue
+        swings = quantity.frequency_hz is not None
+        if not swings or abs(quantity.mean) >= MEAN * quantity.amplitude:
+            found.append(f"{name}_mean")
+        if swings:
+            found += [f"{name}_amplitude", f"{name}_frequency_hz"]
+    for name in wanted:
+        if name in row and isinstance(row[name], int | float) and name not in found:
+            found.append(name)
+        elif name not in summary.quantities and name not in found:
+            numbers = [key for key, value in row.items() if isinstance(value, float)]
+            raise InputError(f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}")
+    if not found:
+        raise InputError(f"{summary.scene} has no quantity to verify: its outputs are rounding, or it has no fluid or rod")
+    return found
+
+
+def unit_of(name: str, summary: Summary) -> str:
+    """Return the unit of a column of the table of runs."""
+    column = next((f"_{what}" for what in STATISTICS if name.endswith(f"_{what}")), "")
+    if column == "_frequency_hz":
+        return "Hz"
+    known = summary.quantities.get(name.removesuffix(column))
+    return known.unit if known else ""
