@@ -209,12 +209,16 @@ def _run_on_worker(scene: Document, folder: Path, deadline: float) -> Row:
     import distributed
 
     worker = distributed.get_worker()
-    return _run_case(
-        scene, folder, deadline, lambda steps: worker.log_event(PROGRESS, {"folder": folder.name, "steps": steps})
-    )
+
+    def tell(steps: int) -> None:
+        worker.log_event(PROGRESS, {"folder": folder.name, "steps": steps})
+
+    return run_case(scene, folder, deadline, tell)
 
 
-def _run_case(scene: Document, folder: Path, deadline: float, tell: Callable[[int], None]) -> Row:
+def run_case(
+    scene: Document, folder: Path, deadline: float = math.inf, tell: Callable[[int], None] = lambda _: None
+) -> Row:
     """Run a case and return its row; packing and pictures, which outlast a short run, are left out."""
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
@@ -298,7 +302,7 @@ def run(
             if todo and scheduler is None and workers == 1 and deadline < math.inf:
                 for case in filter(admit, todo):
                     place = (folder / case.folder).resolve()
-                    keep(case, _run_case(case.scene, place, deadline, partial(reached, case.folder)))
+                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder)))
             elif todo:
                 _distribute(todo, folder, scheduler, workers, reached, keep, admit, deadline)
     except OSError as error:

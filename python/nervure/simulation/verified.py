@@ -11,7 +11,7 @@ sizes. The step follows the cells.
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -46,6 +46,11 @@ class Share:
         return sum(coefficient * size**exponent for coefficient, exponent in self.terms)
 
 
+def is_part(name: str, parameters: Container[str]) -> bool:
+    """Return whether the errors of a parameter are part of those of another one: steps follow the cells."""
+    return name == "step" and "cells" in parameters
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A quantity of a verified scene, in its unit."""
@@ -59,11 +64,10 @@ class Quantity:
 
     def error(self, sizes: Mapping[str, float]) -> float:
         """Return the largest error at relative `sizes`, by its estimate and the uncertainty of the limit."""
-        first = next(iter(self.shares), "")
         total, beside = 0.0, 0.0
         for name, share in self.shares.items():
             size = sizes.get(name, 1.0)
-            if name == "step" and first == "cells":  # Errors of steps in proportion to the cells count there
+            if is_part(name, self.shares):
                 beside = abs(share.error(size / sizes.get("cells", 1.0)) - share.error(1.0))
             else:
                 total += share.error(size)

@@ -15,7 +15,7 @@ order: the bar holds all errors of an order between `ORDERS`.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +23,7 @@ import numpy as np
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series, Window
 from nervure.extras import require
-from nervure.simulation.verified import Share
+from nervure.simulation.verified import Share, is_part
 
 ORDERS = (1.0, 2.0)  # Of the method: first at bodies, second elsewhere
 LEAST, LARGEST = 0.5, 2.2  # Observed orders that count
@@ -39,6 +39,15 @@ def estimate(sizes: Sequence[float], values: Sequence[float], noise: Sequence[fl
     terms, uncertainty, observed, kind = _estimate(h / h[0], phi, bars)
     scaled = [(coefficient / h[0] ** exponent, exponent) for coefficient, exponent in terms]
     return Share(scaled, uncertainty, observed, kind, h.tolist(), phi.tolist(), bars.tolist())
+
+
+def combine(shares: Mapping[str, Share]) -> tuple[float, float, float]:
+    """Return the value of the finest run of the first parameter, its limit as the sizes of all parameters vanish, and
+    the 95 % bar of the limit. The others were varied beside the scene's own size, 1."""
+    first = next(iter(shares.values()))
+    counted = {name: share for name, share in shares.items() if not is_part(name, shares)}
+    error = sum(share.error(first.sizes[0] if share is first else 1.0) for share in counted.values())
+    return first.values[0], first.values[0] - error, math.hypot(*(share.uncertainty for share in counted.values()))
 
 
 Terms = list[tuple[float, float]]

@@ -11,7 +11,7 @@ from typing import Any
 
 from nervure.errors import InputError, SceneError
 from nervure.library import check
-from nervure.output.forecast import FACTORS, is_fast
+from nervure.output.forecast import is_fast
 from nervure.scene import Scene, text
 from nervure.scene.solids import box_ends
 from nervure.simulation.verified import free_axes, sizes, triangles_along

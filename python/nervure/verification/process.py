@@ -16,8 +16,8 @@ from nervure.simulation import results, sweep
 from nervure.simulation.session import Session
 from nervure.simulation.summary import Summary, is_force
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
-from nervure.simulation.verified import Quantity, Share, Verified, physics, sizes
-from nervure.verification.estimate import estimate, noise_of
+from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
+from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
 ROUNDS = 8  # Most rounds of a verification
@@ -233,9 +233,7 @@ class _Verification:
     def _sequence(self) -> list[Setting]:
         """Return the finished settings of the first parameter, the finest first."""
         first = self.plan.first.name
-        found = [
-            self.settings[name] for name in self._finished() if self.settings[name].factors.keys() <= {first}
-        ]
+        found = [self.settings[name] for name in self._finished() if self.settings[name].factors.keys() <= {first}]
         return sorted(found, key=lambda one: one.sizes[first])
 
     def _choose_quantities(self) -> None:
@@ -280,24 +278,17 @@ class _Verification:
                 if len(beside) > 1 and (share := self._share(name, beside, parameter.name)):
                     shares[parameter.name] = share
             row = self.rows[sequence[0].name]
-            value = float(row[name])
-            counted = [share for key, share in shares.items() if not self._is_part(key)]
-            reached = {self.plan.first.name: min(first.sizes) * sequence[0].sizes[self.plan.first.name]}
-            error = sum(share.error(reached.get(key, 1.0)) for key, share in shares.items() if not self._is_part(key))
+            value, limit, uncertainty = combine(shares)
             amplitude = row.get(f"{name.removesuffix('_mean')}_amplitude") if name.endswith("_mean") else None
             found[name] = Quantity(
                 value=value,
-                limit=value - error,
-                uncertainty=math.hypot(*(share.uncertainty for share in counted)),
+                limit=limit,
+                uncertainty=uncertainty,
                 scale=max(abs(value), abs(amplitude or 0.0)),
                 unit=self.units[name],
                 shares=shares,
             )
         return found
-
-    def _is_part(self, parameter: str) -> bool:
-        """Return whether the first parameter has the errors of another one too: steps follow the cells."""
-        return parameter == "step" and self.plan.first.name == "cells"
 
     def _beside(self, parameter: Parameter) -> list[Setting]:
         """Return the finished settings in which only `parameter` differs from the coarsest one."""
@@ -318,7 +309,7 @@ class _Verification:
         wanted = []
         for parameter in self.plan.parameters:
             shares = [(one, share) for one in wide if (share := one.shares.get(parameter.name))]
-            if self._is_part(parameter.name) or all(s.uncertainty <= limit * q.scale for q, s in shares):
+            if is_part(parameter.name, self.plan.sizes) or all(s.uncertainty <= limit * q.scale for q, s in shares):
                 continue
             wanted.append(self._finer(parameter))
         return [one for one in wanted if one is not None and one.name not in self.settings]
@@ -357,9 +348,7 @@ class _Verification:
         if recommended:
             scene, expected, wall = recommended
             relative = {name: size / self.plan.sizes[name] for name, size in sizes(scene).items()}
-            verified = replace(
-                verified, recommended=relative, recommended_error=expected, recommended_wall_s=wall
-            )
+            verified = replace(verified, recommended=relative, recommended_error=expected, recommended_wall_s=wall)
         verified.write(self.folder)
         return Outcome(verified, self.plan, runs, recommended[0] if recommended else None, front, self.problems)
 
@@ -371,7 +360,11 @@ class _Verification:
         others: dict[str, float] = {}
         for parameter in self.plan.others:
             size = 1.0
-            while not self._is_part(parameter.name) and size > FINEST and _beyond(found, parameter.name, size, self.within):
+            while (
+                not is_part(parameter.name, self.plan.sizes)
+                and size > FINEST
+                and _beyond(found, parameter.name, size, self.within)
+            ):
                 size *= parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
             if size != 1.0:
                 others[parameter.name] = size
@@ -382,7 +375,7 @@ class _Verification:
             try:
                 setting = self.plan.setting({first: size, **others})
             except SceneError:
-                size /= 2 ** 0.25
+                size /= 2**0.25
                 continue
             error = max(_expected(one, setting.sizes, finest, first) / one.scale for one in found.values())
             front.append((self.costs.of(setting.work), error))
@@ -390,7 +383,7 @@ class _Verification:
                 best = setting.scene, error, front[-1][0]
             if best and size < finest / ROOT2:
                 break
-            size /= 2 ** 0.25
+            size /= 2**0.25
         return best, front
 
 
@@ -437,9 +430,13 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
             found.append(name)
         elif name not in summary.quantities and name not in found:
             numbers = [key for key, value in row.items() if isinstance(value, float)]
-            raise InputError(f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}")
+            raise InputError(
+                f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
+            )
     if not found:
-        raise InputError(f"{summary.scene} has no quantity to verify: its outputs are rounding, or it has no fluid or rod")
+        raise InputError(
+            f"{summary.scene} has no quantity to verify: its outputs are rounding, or it has no fluid or rod"
+        )
     return found
 
 

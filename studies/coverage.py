@@ -1,0 +1,236 @@
+"""Coverage of the error bars of `nervure verify`: whether they hold values that are known better, and how wide they are.
+
+Each case is a scene on coarse settings. Its truth is an exact solution, a published value, or a run on `FINER` times the
+cells, segments and steps, with c_eta to match, in the same box. Half of the cases, drawn by `SEED` before the estimator
+was tuned, were not looked at meanwhile.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from math import inf, pi, radians
+from pathlib import Path
+from typing import Any
+
+from nervure.errors import InputError
+from nervure.scene import document, validate
+from nervure.simulation import sweep
+from nervure.verification.estimate import combine, estimate
+from nervure.verification.process import Outcome, verify
+from studies import elastica, simulate
+from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
+
+SEED = 2014
+FINER = {2: 4.0, 3: 2 * 2**0.5, 0: 8.0}  # Of the truth by dimensions of the fluid; 0: without one
+STREAM = "viv-384x256"  # A free stream in the plane, whose body is replaced
+FALL, BAR = "csm1", "csm3"
+STEADY, SHEDDING, FORCED = ("drag_mean", "lift_mean"), ("drag_mean", "lift_amplitude", "lift_frequency_hz"), (
+    "drag_mean", "drag_amplitude", "lift_amplitude")  # fmt: skip
+FLAG = ("tip_uy_amplitude", "tip_uy_frequency_hz", "drag_mean")
+
+
+def stream(
+    shape: dict[str, Any], reynolds: float, cells: int, end: float, angle: float = 0.0, **more: Any
+) -> dict[str, Any]:
+    """Return the changes to a body of length 1 at an angle (°) in a stream of speed 1, with `cells` a length."""
+    step = 0.2 / cells
+    body = {"shape": shape, "position": [0.13 / 8, 0.29 / 8], "angle": -radians(angle)}
+    return simulate.on_grid(6 * cells, 4 * cells, step) | {
+        "time.end": end,
+        "fluid.kinematic_viscosity": 1 / reynolds,
+        "fluid.box.x": [-2.0, 4.0],
+        "fluid.box.y": [-2.0, 2.0],
+        "fluid.sponge.x": [2.8, 4.0],
+        "fluid.sponge.c_eta": 0.06,
+        "fluid.disturbance": "absent",
+        "fluid.bodies": [body | more],
+    }  # fmt: skip
+
+
+def still(shape: dict[str, Any], motion: dict[str, Any], viscosity: float, cells: int, end: float) -> dict[str, Any]:
+    """Return the changes to a body of length 1 that moves in still fluid."""
+    changes = stream(shape, 1 / viscosity, cells, end)
+    body = {"shape": shape, "position": [0.13 / 8, 0.29 / 8], "motion": motion}
+    gone = dict.fromkeys(("fluid.sponge", "fluid.mean_flow", "fluid.initial_velocity"), "absent")
+    kept = {key: value for key, value in changes.items() if "sponge" not in key}
+    return kept | gone | {"fluid.box.x": [-3.0, 3.0], "fluid.bodies": [body]}
+
+
+def sine(amplitude: float, frequency: float = 1.0, phase: float = 0.0) -> dict[str, Any]:
+    return {"sine": {"amplitude": amplitude, "frequency": frequency, "phase": phase, "ramp": 0.5 / frequency}}
+
+
+CIRCLE, PLATE = {"circle": {"radius": 0.5}}, {"plate": {"length": 1.0}}
+ELLIPSE = {"ellipse": {"length": 1.0, "thickness": 0.4}}
+SQUARE = {"rectangle": {"length": 0.8, "thickness": 0.8}}
+WEDGE = {"polygon": {"corners": [[-0.5, 0.0], [0.5, -0.4], [0.5, 0.4]]}}
+BLADE = {"rectangle": {"length": 1.0, "thickness": 0.3, "ends": "round"}}
+
+
+def beam_exact(gravity: float) -> dict[str, float]:
+    """Return mean displacements of the tip of CSM1's bar under another gravity (m/s²), m."""
+    known = simulate.changed(FALL, {})["rod"]["material"]["plane_strain"]
+    e, nu, h = known["youngs_modulus"], known["poisson_ratio"], 0.02
+    plate, stiff = e / (1 - nu**2), known["shear_factor"] * e / (2 * (1 + nu)) * h
+    x, y = elastica.tip(0.35, gravity * known["density"] * h, plate * h**3 / 12, plate * h, stiff)
+    return {"tip_ux_mean": x, "tip_uy_mean": y}
+
+
+def bar(segments: int, gravity: float, end: float = 6.0, **more: Any) -> dict[str, Any]:
+    """Return the changes to the bar that comes to rest under its weight."""
+    fixed = {"rod.clamp_compliance_length": 0.0, "beam.segments": segments, "rod.gravity": [0.0, -gravity]}
+    return fixed | {"time.end": end, "time.communication_step": 0.02} | more
+
+
+Kind = tuple[str, dict[str, Any], tuple[str, ...], dict[str, float]]  # Scene, changes, quantities, known truth
+
+
+def listed() -> Iterator[tuple[str, Kind]]:
+    """Yield the cases by name."""
+    for gravity, segments in ((1.0, 8), (2.0, 8), (6.0, 12), (12.0, 16)):
+        exact = {"elastica": gravity}
+        yield f"bar at rest, {gravity:g} m/s²", (FALL, bar(segments, gravity), ("tip_ux_mean", "tip_uy_mean"), exact)
+    for scheme, segments, step in (("trapezoid", 12, 0.005), ("bdf2", 8, 0.004), ("tr_bdf2", 16, 0.01)):
+        changes = {"beam.segments": segments, "time.communication_step": step, "rod.scheme": scheme, "time.end": 5.0}
+        names = ("tip_uy_mean", "tip_uy_amplitude", "tip_uy_frequency_hz")
+        yield f"bar swings, {scheme}", (BAR, changes, names, {})
+    for reynolds, cells in ((5, 8), (20, 10), (40, 12)):
+        yield f"cylinder, Re {reynolds}", (STREAM, stream(CIRCLE, reynolds, cells, 30.0), STEADY[:1], {})
+    for angle, reynolds, cells in ((30, 20, 12), (60, 20, 12), (90, 10, 8), (30, 60, 16), (15, 40, 16)):
+        names = STEADY[: 1 if angle == 90 else 2]
+        yield f"plate at {angle}°, Re {reynolds}", (STREAM, stream(PLATE, reynolds, cells, 25.0, angle), names, {})
+    for name, shape, angle, reynolds, cells in (
+        ("ellipse", ELLIPSE, 30, 20, 12),
+        ("ellipse", ELLIPSE, 45, 40, 16),
+        ("square", SQUARE, 20, 20, 12),
+        ("wedge", WEDGE, 10, 30, 12),
+        ("blade", BLADE, 25, 20, 12),
+        ("blade", BLADE, 60, 10, 10),
+    ):
+        label = f"{name} at {angle}°, Re {reynolds}"
+        yield label, (STREAM, stream(shape, reynolds, cells, 25.0, angle), STEADY, {})
+    for name, shape, angle in (("cylinder", CIRCLE, 0), ("square", SQUARE, 0), ("plate", PLATE, 70)):
+        changes = stream(shape, 100, 12, 60.0, angle) | {"fluid.disturbance": 0.05}
+        yield f"{name} sheds at Re 100", (STREAM, changes, SHEDDING, {})
+    for name, shape, motion, viscosity in (
+        ("cylinder to and fro, Stokes", CIRCLE, {"x": sine(0.05)}, 0.1),
+        ("cylinder to and fro, KC 3", CIRCLE, {"x": sine(0.5)}, 0.05),
+        ("ellipse plunges", ELLIPSE, {"y": sine(0.2)}, 0.05),
+        ("blade pitches", BLADE, {"angle": sine(0.5)}, 0.03),
+        ("plate heaves", PLATE, {"y": sine(0.25)}, 0.05),
+        ("plate pitches", PLATE, {"angle": sine(0.6)}, 0.03),
+    ):
+        names = ("drag_amplitude",) if "to and fro" in name else ("lift_amplitude",)
+        yield name, (STREAM, still(shape, motion, viscosity, 12, 6.0), names, {})
+    for name, shape, laws in (
+        ("cylinder swings across a stream", CIRCLE, {"y": sine(0.2, 0.3)}),
+        ("ellipse pitches in a stream", ELLIPSE, {"angle": sine(0.4, 0.3)}),
+        ("plate flaps in a stream", PLATE, {"y": sine(0.25, 0.4), "angle": sine(0.3, 0.4, pi / 2)}),
+    ):
+        yield name, (STREAM, stream(shape, 80, 12, 16.0, motion=laws), FORCED, {})
+    mount = {"mount": {"mass": 2.0, "y": {"stiffness": 3.0, "damping": 0.3}}}
+    names = ("body_1_y_amplitude", "body_1_y_frequency_hz", "drag_mean")
+    changes = stream(CIRCLE, 100, 12, 60.0, **mount) | {"fluid.disturbance": 0.05}
+    yield "cylinder on a spring", (STREAM, changes, names, {})
+    names, known = ("cd_mean", "dp_mean"), simulate.published("cylinder-2d1-450x90")
+    exact = {name: known[name][0] for name in names}
+    for grid, step in (((220, 44), 6.4e-3), ((300, 60), 4.8e-3)):
+        changes = simulate.on_grid(*grid, step) | simulate.SHALLOW
+        yield f"cylinder 2D-1, {grid[0]}", ("cylinder-2d1-450x90", changes, names, exact)
+    exact = {f"{name}_mean": simulate.published("cfd1-648x108")[f"{name}.mean"][0] for name in ("drag", "lift")}
+    changes = simulate.on_grid(324, 54, 4e-3) | simulate.SHALLOW | {"time.end": 12.0}
+    yield "CFD1", ("cfd1-648x108", changes, tuple(exact), exact)
+    coarse = simulate.on_grid(96, 96, 0.01) | {"beam.segments": 12}
+    names = ("tip_uy_amplitude", "tip_uy_frequency_hz", "drag_mean")
+    yield "filament, line", ("filament-line-192x192", coarse | {"time.end": 20.0}, names, {})
+    for mass, bending in ((0.075, 1e-4), (0.3, 1e-3)):
+        changes = simulate.on_grid(120, 60, 0.008) | {"beam.segments": 16, "time.end": 16.0, "beam.thickness": 0.02}
+        changes |= {"rod.material.section.line_density": mass, "rod.material.section.bending_stiffness": bending}
+        changes |= {"fluid.kinematic_viscosity": 0.005}
+        yield f"flag, mass {mass:g}", ("flag-line-480x240", changes, FLAG, {})
+    changes = simulate.on_grid(96, 48, 2e-3) | {"beam.segments": 12, "time.end": 6.0}
+    names = ("thrust", "drag_amplitude", "lift_amplitude", "tip_uy_amplitude")
+    yield "vein, forward", ("vein-forward-288x144", changes, names, {})
+    sphere = {"fluid.precision": "single", "fluid.threads": 1}
+    for reynolds in (20, 60):
+        changes = simulate.on_grid(0, 0, 0.04) | sphere | {
+            "fluid.box.cells": [36, 24, 24], "fluid.box.x": [-2.0, 4.0], "fluid.box.y": [-2.0, 2.0],
+            "fluid.box.z": [-2.0, 2.0], "fluid.sponge.x": [3.0, 4.0], "fluid.kinematic_viscosity": 1 / reynolds,
+            "time.end": 6.0,
+        }  # fmt: skip
+        yield f"sphere, Re {reynolds}", ("sphere-stream-144x96x96", changes, ("drag_mean",), {})
+    changes = {"fluid.box.cells": [32, 32, 32], "time.communication_step": 0.01, "fluid.time_stepping.max_step": 0.01}
+    changes |= {"time.end": 2.0} | sphere
+    yield "sphere to and fro", ("sphere-oscillating-64x64x64", changes, ("drag_amplitude",), {})
+
+
+def held_out() -> set[str]:
+    """Return the names of the cases that the estimator was not tuned on."""
+    names = sorted(name for name, _ in listed())
+    return set(random.Random(SEED).sample(names, len(names) // 2))
+
+
+def cases() -> Iterator[Case]:
+    hidden = held_out()
+    for name, (scene, changes, names, exact) in listed():
+        with_fluid = "fluid" in simulate.shipped(scene)
+        sources = ROD if not with_fluid else COUPLED if "rod" in simulate.shipped(scene) else FLUID
+        about = {"exact": exact, "half": "held out" if name in hidden else "tuned on"}
+        options = {"names": names}
+        yield Case(f"{about['half']}/{name}", (*sources, "verification"), scene, changes, options, measured, about)
+
+
+def measured(case: Case, folder: Path) -> dict[str, Any]:
+    """Verify the scene of a case without a tolerance, and make the run that is its truth."""
+    scene = validate(case.built())
+    names = list(case.options["names"])
+    in_same_box = ("cells", "segments", "step", "c_eta")
+    parameters = () if case.about["exact"] and scene.fluid else in_same_box
+    found = verify(scene, folder / "runs", inf, 1e9, names, parameters, workers=1, force=True)
+    if found.verified is None:
+        raise InputError("; ".join(found.problems))
+    truth = dict(case.about["exact"])
+    if "elastica" in truth:
+        truth = beam_exact(truth["elastica"])
+    elif not truth:
+        truth = finest(found, names, folder / "truth", scene.fluid)
+    shares = {
+        name: {key: vars(share) for key, share in quantity.shares.items()}
+        for name, quantity in found.verified.quantities.items()
+        if name in names
+    }
+    spent = {setting.name: row["wall_s"] for setting, row in found.runs}
+    return {"truth": truth, "shares": shares, "wall_s": spent, "problems": found.problems}
+
+
+def finest(found: Outcome, names: list[str], folder: Path, fluid: Any) -> dict[str, float]:
+    """Return the values of the run with the smallest sizes."""
+    finer = FINER[len(fluid.box.cells) if fluid else 0]
+    sizes = {one.name: 1 / finer for one in found.plan.parameters if one.name != "step" or not fluid}
+    setting = found.plan.setting(sizes)
+    row = sweep.run_case(document(setting.scene), folder)
+    if row["status"] != sweep.FINISHED:
+        raise InputError(f"the truth: {row['reason']}")
+    return {name: float(row[name]) for name in names}
+
+
+Bar = dict[str, Any]
+"""A pair of case and quantity: value on the finest run, limit with its bar, and truth."""
+
+
+def bars(found: dict[str, Any]) -> Iterator[Bar]:
+    """Yield the bars that the estimator makes of the runs of a case."""
+    for name, shares in found["shares"].items():
+        again = {key: estimate(own["sizes"], own["values"], own["noise"]) for key, own in shares.items()}
+        value, limit, bar = combine(again)
+        kind = next(iter(again.values())).kind
+        truth = found["truth"][name]
+        yield {"quantity": name, "value": value, "limit": limit, "bar": bar, "truth": truth, "kind": kind}
+
+
+def extract(case: Case, run: Run) -> dict[str, Any]:
+    return {"tables": {"bars": list(bars(run.found))}, "times": {"cpu_s": sum(run.found["wall_s"].values())}}
+
+
+STUDY = Study("coverage", cases, extract)
