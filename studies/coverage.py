@@ -1,8 +1,8 @@
-"""Coverage of the error bars of `nervure verify`: whether they hold values that are known better, and how wide they are.
+"""Coverage of the error bars of `nervure verify`: whether they hold values that are known better, and their widths.
 
-Each case is a scene on coarse settings. Its truth is an exact solution, a published value, or a run on `FINER` times the
-cells, segments and steps, with c_eta to match, in the same box. Half of the cases, drawn by `SEED` before the estimator
-was tuned, were not looked at meanwhile.
+Each case is a scene on coarse settings. Its truth is an exact solution, a published value, or a run on `FINER` times
+the cells, segments and steps, with c_eta to match, in the same box. Half of the cases, drawn by `SEED` before the
+estimator was tuned, were not looked at meanwhile.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ SEED = 2014
 FINER = {2: 4.0, 3: 2 * 2**0.5, 0: 8.0}  # Of the truth by dimensions of the fluid; 0: without one
 STREAM = "viv-384x256"  # A free stream in the plane, whose body is replaced
 FALL, BAR = "csm1", "csm3"
-STEADY, SHEDDING, FORCED = ("drag_mean", "lift_mean"), ("drag_mean", "lift_amplitude", "lift_frequency_hz"), (
-    "drag_mean", "drag_amplitude", "lift_amplitude")  # fmt: skip
+STEADY = ("drag_mean", "lift_mean")
+SHEDDING = ("drag_mean", "lift_amplitude", "lift_frequency_hz")
+FORCED = ("drag_mean", "drag_amplitude", "lift_amplitude")
 FLAG = ("tip_uy_amplitude", "tip_uy_frequency_hz", "drag_mean")
 
 
@@ -88,6 +89,7 @@ Kind = tuple[str, dict[str, Any], tuple[str, ...], dict[str, float]]  # Scene, c
 
 def listed() -> Iterator[tuple[str, Kind]]:
     """Yield the cases by name."""
+    names: tuple[str, ...]
     for gravity, segments in ((1.0, 8), (2.0, 8), (6.0, 12), (12.0, 16)):
         exact = {"elastica": gravity}
         yield f"bar at rest, {gravity:g} m/s²", (FALL, bar(segments, gravity), ("tip_ux_mean", "tip_uy_mean"), exact)
@@ -129,7 +131,7 @@ def listed() -> Iterator[tuple[str, Kind]]:
         ("plate flaps in a stream", PLATE, {"y": sine(0.25, 0.4), "angle": sine(0.3, 0.4, pi / 2)}),
     ):
         yield name, (STREAM, stream(shape, 80, 12, 16.0, motion=laws), FORCED, {})
-    mount = {"mount": {"mass": 2.0, "y": {"stiffness": 3.0, "damping": 0.3}}}
+    mount: dict[str, Any] = {"mount": {"mass": 2.0, "y": {"stiffness": 3.0, "damping": 0.3}}}
     names = ("body_1_y_amplitude", "body_1_y_frequency_hz", "drag_mean")
     changes = stream(CIRCLE, 100, 12, 60.0, **mount) | {"fluid.disturbance": 0.05}
     yield "cylinder on a spring", (STREAM, changes, names, {})

@@ -3,6 +3,7 @@
 import importlib
 import zipfile
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
 from nervure.scene.types import FineBox, Fluid
-from nervure.simulation import checkpoint, results
+from nervure.simulation import checkpoint, results, verified
 from nervure.simulation.session import Session
 from nervure.units.describe import unit_names
 from nervure.units.fmu import read_description, variables_of, version_of
@@ -103,6 +104,10 @@ def show_scene(console: Console, scene: Scene) -> None:
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
         rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
     rows += forecast.scene_rows(facts)
+    for name, bar in (verified.bars(scene, Path("results")) or {}).items():
+        rows.append(
+            (f"verified {name.replace('_', ' ')}", f"{bar.limit:.4g} {bar.unit}, here off by up to {bar.error:.2g}")
+        )
     if missing := dict.fromkeys(kind for kind in map(kind_of, units) if not is_built(kind)):
         rows.append(("wall time", f"unknown until `nervure run` builds the library of the {' and the '.join(missing)}"))
     else:
@@ -151,7 +156,8 @@ def show_results(console: Console, folder: Path) -> None:
         if not stopped:
             raise
     else:
-        print_table(console, summary, found.scene)
+        known = summary.verified or verified.bars(found.scene, folder.resolve().parent)
+        print_table(console, replace(summary, verified=known), found.scene)
         if not summary.completed:
             console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
         git = summary.git

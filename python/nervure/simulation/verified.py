@@ -43,7 +43,7 @@ class Share:
 
     def error(self, size: float) -> float:
         """Return the error at a relative size."""
-        return sum(coefficient * size**exponent for coefficient, exponent in self.terms)
+        return math.fsum(coefficient * size**exponent for coefficient, exponent in self.terms)
 
 
 def is_part(name: str, parameters: Container[str]) -> bool:
@@ -75,6 +75,16 @@ class Quantity:
 
 
 @dataclass(frozen=True)
+class Bar:
+    """What a verification says of a quantity of a run, in its unit."""
+
+    error: float  # Largest, 95 %, on the setting of the run
+    limit: float  # Extrapolated
+    uncertainty: float  # Of the limit, 95 %
+    unit: str
+
+
+@dataclass(frozen=True)
 class Verified:
     """A verified scene."""
 
@@ -95,10 +105,13 @@ class Verified:
         content = json.dumps(TypeAdapter(Verified).dump_python(self), indent=2, ensure_ascii=False)
         (folder / FILE).write_text(content + "\n", encoding="utf-8")
 
-    def bars(self, scene: Scene) -> dict[str, float]:
-        """Return the largest error of each quantity in a run of `scene`, which has the same physics."""
+    def bars(self, scene: Scene) -> dict[str, "Bar"]:
+        """Return the bar of each quantity in a run of `scene`, which has the same physics."""
         relative = {name: size / self.sizes[name] for name, size in sizes(scene).items() if self.sizes.get(name)}
-        return {name: quantity.error(relative) for name, quantity in self.quantities.items()}
+        return {
+            name: Bar(quantity.error(relative), quantity.limit, quantity.uncertainty, quantity.unit)
+            for name, quantity in self.quantities.items()
+        }
 
 
 def physics(scene: Scene) -> str:
@@ -120,6 +133,12 @@ def find(scene: Scene, folder: Path) -> Verified | None:
         if known.physics == own:
             return known
     return None
+
+
+def bars(scene: Scene, folder: Path) -> dict[str, Bar] | None:
+    """Return the bars of a run of `scene` by a verification of its physics in `folder`; None without one."""
+    found = find(scene, folder)
+    return found.bars(scene) if found else None
 
 
 def sizes(scene: Scene) -> dict[str, float]:

@@ -1,7 +1,8 @@
 """The numerical parameters of a scene, and the runs that show their errors.
 
-The first parameter that a scene has is refined in a sequence: `cells`, with the steps in proportion, or else `segments`,
-`mesh` or `step`. Each of the others changes once, on the coarsest setting of the first, where a run is cheap.
+The first parameter that a scene has is refined in a sequence: `cells`, with the steps in proportion, or else
+`segments`, `mesh` or `step`. Each of the others changes once, on the coarsest setting of the first, where a run is
+cheap.
 """
 
 import math
@@ -118,10 +119,10 @@ class Plan:
 def work(scene: Scene) -> float:
     """Return a number in proportion to the time of a run: unknowns times steps."""
     steps = scene.time.end / scene.time.communication_step
-    unknowns = OVERHEAD
+    unknowns = float(OVERHEAD)
     if fluid := scene.fluid:
         steps *= max(1.0, scene.time.communication_step / fluid.time_stepping.max_step)
-        cells = math.prod(fluid.box.cells)
+        cells = float(math.prod(fluid.box.cells))
         if fine := fluid.fine_box:
             ends = [end for end in (fine.x, fine.y, fine.z) if end]
             parts = ((b - a) / (d - c) for (a, b), (c, d) in zip(ends, box_ends(fluid), strict=True))

@@ -1,7 +1,7 @@
 """A verification: runs in rounds, from the cheap ones on, until the bars are narrow enough or the budget ends."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,16 +10,18 @@ from time import time
 from nervure.catalogue import hint
 from nervure.errors import InputError, SceneError, UnitError
 from nervure.evaluate import statistics
-from nervure.output import forecast
+from nervure.output import console as shown, forecast
 from nervure.scene import Scene, document
 from nervure.simulation import results, sweep
 from nervure.simulation.session import Session
 from nervure.simulation.summary import Summary, is_force
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
+from nervure.terminal import Console
 from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
+QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
 ROUNDS = 8  # Most rounds of a verification
 TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
@@ -51,17 +53,9 @@ class Costs:
         return nearest[1] * work / nearest[0]
 
 
-@dataclass
-class Progress:
-    """What a verification tells, and where its runs report their steps."""
-
-    say: Callable[[str], None]
-    steps: Callable[[list[Case]], sweep.Progress] = lambda _: lambda _runs, _steps: None
-
-
 @dataclass(frozen=True)
 class Outcome:
-    """A finished verification: what is known, and the settings with the rows of their runs, in the order of the plan."""
+    """A finished verification: what is known, and the settings with the rows of their runs."""
 
     verified: Verified | None  # None where no run gave a value
     plan: Plan
@@ -86,11 +80,11 @@ def verify(
     workers: int | None = None,
     scheduler: str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    console: Console | None = None,
 ) -> Outcome:
     """Find the errors of `scene` by runs into `folder` until all bars are `within` a part of the values, or for at most
     `budget` (s) of wall time."""
-    own = _Verification(scene, folder, within, budget, quantities, parameters, workers, scheduler, force, progress)
+    own = _Verification(scene, folder, within, budget, quantities, parameters, workers, scheduler, force, console)
     return own.run()
 
 
@@ -106,11 +100,11 @@ class _Verification:
         workers: int | None,
         scheduler: str | None,
         force: bool,
-        progress: Progress | None,
+        console: Console | None,
     ):
         self.begin, self.scene, self.folder, self.within, self.budget = time(), scene, folder, within, budget
         self.wanted, self.workers, self.scheduler, self.force = list(quantities), workers, scheduler, force
-        self.progress = progress or Progress(lambda _: None)
+        self.console = console or shown.text_console(quiet=True)
         self.plan, self.costs = Plan(scene, list(parameters)), Costs()
         self.settings: dict[str, Setting] = {}
         self.rows: dict[str, Row] = {}
@@ -124,6 +118,9 @@ class _Verification:
     def left(self) -> float:
         """Wall time that is left, s."""
         return self.begin + self.budget - time()
+
+    def _say(self, line: str) -> None:
+        self.console.print(line, markup=False, soft_wrap=True)
 
     def run(self) -> Outcome:
         todo = self._first_round()
@@ -155,7 +152,7 @@ class _Verification:
                 break
         else:
             first = sorted(settings, key=lambda one: one.work)
-            kept, spent = [], 0.0
+            kept, spent = list[Setting](), 0.0
             for one in first:
                 spent += self.costs.of(one.work)
                 if spent <= self.left and (one.factors.keys() == {self.plan.first.name} or len(kept) > 1):
@@ -172,7 +169,7 @@ class _Verification:
                 f"{self.plan.first.name}"
             )
         total = sum(self.costs.of(one.work) for one in settings if not self._known(one))
-        self.progress.say(
+        self._say(
             f"{len(settings)} runs, about {forecast.duration(total)} of a budget of {forecast.duration(self.budget)}: "
             + "; ".join(one.name for one in settings)
         )
@@ -206,19 +203,21 @@ class _Verification:
             self.settings[setting.name] = setting
         cases = {name: self._case(setting) for name, setting in self.settings.items()}
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
-        count = self.progress.steps(missing)
-        rows = sweep.run(
-            list(cases.values()),
-            self.folder,
-            self.scheduler,
-            missing,
-            self.force,
-            self.progress.say,
-            count,
-            1 if self.scheduler is None and len(missing) == 1 else self.workers,
-            lambda case: self._allowed(self.settings[case.folder]),
-            self.begin + self.budget,
-        )
+        expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
+        quick = self.scheduler is None and (len(missing) == 1 or expected < QUICK)
+        with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
+            rows = sweep.run(
+                list(cases.values()),
+                self.folder,
+                self.scheduler,
+                missing,
+                self.force,
+                self._say,
+                count,
+                1 if quick else self.workers,
+                lambda case: self._allowed(self.settings[case.folder]),
+                self.begin + self.budget,
+            )
         for row in rows:
             setting = self.settings[row["folder"]]
             if row["status"] == FINISHED and row["folder"] not in self.rows:
@@ -359,13 +358,11 @@ class _Verification:
         front of error over time."""
         others: dict[str, float] = {}
         for parameter in self.plan.others:
-            size = 1.0
-            while (
-                not is_part(parameter.name, self.plan.sizes)
-                and size > FINEST
-                and _beyond(found, parameter.name, size, self.within)
-            ):
-                size *= parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
+            size, factor = 1.0, parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
+            if is_part(parameter.name, self.plan.sizes):
+                continue
+            while size > FINEST and _beyond(found, parameter.name, size, self.within):
+                size *= factor
             if size != 1.0:
                 others[parameter.name] = size
         first, best, front = self.plan.first.name, None, list[tuple[float, float]]()
@@ -400,7 +397,7 @@ def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) 
     """Return the expected error of a run: of sizes below those of the runs, the bar shrinks with the error."""
     share = quantity.shares[first]
     order = min((exponent for _, exponent in share.terms), default=1.0)
-    shrunk = min(1.0, (relative[first] / finest) ** order)
+    shrunk: float = min(1.0, (relative[first] / finest) ** order)
     return quantity.error(relative) - quantity.uncertainty * (1 - shrunk)
 
 
