@@ -8,13 +8,17 @@ estimator was tuned, were not looked at meanwhile.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from math import inf, pi, radians
 from pathlib import Path
 from typing import Any
 
 from nervure.errors import InputError
+from nervure.files import write_csv
+from nervure.output import prior
 from nervure.scene import document, validate
+from nervure.scene.facts import Facts
 from nervure.simulation import sweep
 from nervure.verification.estimate import combine, estimate
 from nervure.verification.process import Outcome, verify
@@ -235,4 +239,33 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
     return {"tables": {"bars": list(bars(run.found))}, "times": {"cpu_s": sum(run.found["wall_s"].values())}}
 
 
-STUDY = Study("coverage", cases, extract)
+KINDS = {"cd": "drag", "cl": "lift", "st": "frequency", "height": "motion", "amplitude": "motion", "angle": "motion"}
+"""Columns of the prior by the beginnings of quantities that are not named after them."""
+
+
+def prior_rows(data: Data) -> Iterator[dict[str, Any]]:
+    """Yield the recorded errors of all scenes with a fluid, by what makes scenes alike."""
+    for name, record in data.records.items():
+        errors = {quantity: error for quantity, error in record.errors().items() if abs(error) < 1}
+        if not (errors and record.case.scene):
+            continue
+        try:
+            like = prior.likeness(Facts(validate(record.case.built())))
+        except InputError:  # The scene is of an earlier version
+            continue
+        largest: dict[str, float] = {}
+        for quantity, error in errors.items():
+            first, *_ = re.split(r"[._]", quantity)
+            kind = "frequency" if "frequency" in quantity else "motion" if first == "tip" else KINDS.get(first, first)
+            if kind in prior.QUANTITIES:
+                largest[kind] = max(largest.get(kind, 0.0), float(f"{abs(error):.2g}"))
+        if like and largest:
+            numbers = {key: f"{value:.3g}" if value else "" for key, value in zip(prior.NUMBERS, like.numbers)}
+            yield {"case": name, "kind": like.kind} | numbers | {key: largest.get(key, "") for key in prior.QUANTITIES}
+
+
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    write_csv(prior.FILE, list(prior_rows(data)))
+
+
+STUDY = Study("coverage", cases, extract, draw=draw)

@@ -429,7 +429,7 @@ def verify(
 
     Raise `InputError` where an argument cannot be used and `KeyboardInterrupt` where it was interrupted.
     """
-    from nervure.output import console as shown
+    from nervure.output import console as shown, prior
     from nervure.verification import process, report
 
     for name, value in {"within": within, "budget": budget}.items():
@@ -440,6 +440,8 @@ def verify(
     given = with_files(scene) if isinstance(scene, Scene) else load(scene, overrides)
     folder = Path(output) if output is not None else Path("results") / f"verify-{given.name}"
     console = shown.text_console(quiet)
+    if likely := prior.expected(Facts(given)):
+        console.print(likely, markup=False, soft_wrap=True)
     outcome = process.verify(
         given, folder, float(within), float(budget), quantities, parameters, workers, scheduler, force, console
     )

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from nervure.errors import InputError, UnitError
 from nervure.library import is_built, kind_of
-from nervure.output import forecast
+from nervure.output import forecast, prior
 from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
@@ -104,7 +104,9 @@ def show_scene(console: Console, scene: Scene) -> None:
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
         rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
     rows += forecast.scene_rows(facts)
-    for name, bar in (verified.bars(scene, Path("results")) or {}).items():
+    if not (bars := verified.bars(scene, Path("results"))) and (likely := prior.expected(facts)):
+        rows.append(("errors", likely))
+    for name, bar in (bars or {}).items():
         rows.append(
             (f"verified {name.replace('_', ' ')}", f"{bar.limit:.4g} {bar.unit}, here off by up to {bar.error:.2g}")
         )
