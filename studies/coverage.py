@@ -24,6 +24,7 @@ from nervure.verification.estimate import combine, estimate
 from nervure.verification.process import Outcome, verify
 from studies import elastica, simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
+from studies.store import Data
 
 SEED = 2014
 FINER = {2: 4.0, 3: 2 * 2**0.5, 0: 8.0}  # Of the truth by dimensions of the fluid; 0: without one
@@ -204,7 +205,7 @@ def measured(case: Case, folder: Path) -> dict[str, Any]:
     shares = {
         name: {key: vars(share) for key, share in quantity.shares.items()}
         for name, quantity in found.verified.quantities.items()
-        if name in names
+        if name in truth
     }
     spent = {setting.name: row["wall_s"] for setting, row in found.runs}
     return {"truth": truth, "shares": shares, "wall_s": spent, "problems": found.problems}
@@ -218,7 +219,7 @@ def finest(found: Outcome, names: list[str], folder: Path, fluid: Any) -> dict[s
     row = sweep.run_case(document(setting.scene), folder)
     if row["status"] != sweep.FINISHED:
         raise InputError(f"the truth: {row['reason']}")
-    return {name: float(row[name]) for name in names}
+    return {name: float(row[name]) for name in names if row[name] is not None}
 
 
 Bar = dict[str, Any]
@@ -241,13 +242,16 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 KINDS = {"cd": "drag", "cl": "lift", "st": "frequency", "height": "motion", "amplitude": "motion", "angle": "motion"}
 """Columns of the prior by the beginnings of quantities that are not named after them."""
+METHODS = {"coupling", "fluid.mask", "fluid.filter", "fluid.mask.log_linear.wall_correction"}
+"""Changes to other methods than the usual ones."""
 
 
 def prior_rows(data: Data) -> Iterator[dict[str, Any]]:
     """Yield the recorded errors of all scenes with a fluid, by what makes scenes alike."""
     for name, record in data.records.items():
         errors = {quantity: error for quantity, error in record.errors().items() if abs(error) < 1}
-        if not (errors and record.case.scene):
+        method = record.get("mask", "curvature"), record.case.changes.keys() & METHODS
+        if not errors or not record.case.scene or method != ("curvature", set()):
             continue
         try:
             like = prior.likeness(Facts(validate(record.case.built())))

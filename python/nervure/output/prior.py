@@ -1,7 +1,7 @@
 """Errors to expect of a scene before any run: those of the recorded runs of shipped scenes that are nearest to it.
 
-`prior.csv` has the runs with their errors against published values, by kind, Reynolds number, cells in the length of the
-body, and mass ratio; `python -m studies coverage` writes it. The distance of two scenes is that of the logarithms.
+`prior.csv` has the runs with their errors against published values, by kind, Reynolds number, cells in the length of
+the body, and mass ratio; `python -m studies coverage` writes it. The distance of two scenes is that of the logarithms.
 """
 
 import csv
@@ -13,6 +13,7 @@ from pathlib import Path
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
+from nervure.scene.types import Body, BodyMotion, Cylinder, Motion, TimeLawConstant
 
 FILE = Path(__file__).with_name("prior.csv")
 NUMBERS = ("reynolds", "cells", "mass_ratio")
@@ -51,9 +52,17 @@ def kind(scene: Scene) -> str:
     """Return whether a scene bends, moves or is still."""
     if scene.rod or scene.rods or scene.wing:
         return "elastic"
-    fluid = scene.fluid
-    bodies = [*fluid.cylinders, *fluid.bodies] if fluid else []
-    return "moving" if any(body.motion or getattr(body, "mount", None) for body in bodies) else "still"
+    bodies: list[Cylinder | Body] = [*scene.fluid.cylinders, *scene.fluid.bodies] if scene.fluid else []
+    return "moving" if any(map(_moves, bodies)) else "still"
+
+
+def _moves(body: Cylinder | Body) -> bool:
+    if isinstance(body, Body) and body.mount:
+        return True
+    laws = vars(body.motion) if isinstance(body.motion, Motion | BodyMotion) else {}
+    return body.motion == "master" or any(
+        name != "axis" and not isinstance(law, TimeLawConstant) for name, law in laws.items()
+    )
 
 
 @cache
@@ -76,9 +85,8 @@ def expected(facts: Facts) -> str | None:
     scene."""
     if (own := likeness(facts)) is None:
         return None
-    near = sorted(
-        (distance, name, errors) for like, name, errors in known() if (distance := own.distance(like)) <= FARTHEST
-    )
+    near = [(distance, name, errors) for like, name, errors in known() if (distance := own.distance(like)) <= FARTHEST]
+    near.sort(key=lambda one: one[0])
     found, names = [], list[str]()
     for quantity in QUANTITIES:
         nearest = [(errors[quantity], name) for _, name, errors in near if quantity in errors][:NEAREST]
