@@ -151,15 +151,15 @@ def listed() -> Iterator[tuple[str, Kind]]:
     coarse = simulate.on_grid(96, 96, 0.01) | {"beam.segments": 12}
     names = ("tip_uy_amplitude", "tip_uy_frequency_hz", "drag_mean")
     yield "filament, line", ("filament-line-192x192", coarse | {"time.end": 20.0}, names, {})
-    for mass, bending in ((0.075, 1e-4), (0.3, 1e-3)):
-        changes = simulate.on_grid(120, 60, 0.008) | {"beam.segments": 16, "time.end": 16.0, "beam.thickness": 0.02}
+    for mass, bending, names in ((0.075, 1e-4, FLAG[2:]), (0.3, 1e-3, FLAG)):
+        changes = simulate.on_grid(200, 100, 0.004) | {"beam.segments": 24, "time.end": 14.0}
         changes |= {"rod.material.section.line_density": mass, "rod.material.section.bending_stiffness": bending}
         changes |= {"fluid.kinematic_viscosity": 0.005}
-        yield f"flag, mass {mass:g}", ("flag-line-480x240", changes, FLAG, {})
+        yield f"flag, mass {mass:g}", ("flag-line-480x240", changes, names, {})
     changes = simulate.on_grid(96, 48, 2e-3) | {"beam.segments": 12, "time.end": 6.0}
     names = ("thrust", "drag_amplitude", "lift_amplitude", "tip_uy_amplitude")
     yield "vein, forward", ("vein-forward-288x144", changes, names, {})
-    sphere = {"fluid.precision": "single", "fluid.threads": 1}
+    sphere = {"fluid.precision": "double", "fluid.threads": 1}
     for reynolds in (20, 60):
         changes = simulate.on_grid(0, 0, 0.04) | sphere | {
             "fluid.box.cells": [36, 24, 24], "fluid.box.x": [-2.0, 4.0], "fluid.box.y": [-2.0, 2.0],

@@ -1,21 +1,23 @@
-"""Estimates of errors from runs at several sizes h of a parameter, 1 in the finest of them.
+"""Estimates of errors from runs at several sizes h of a parameter, after Eça & Hoekstra (2014).
 
-Four expansions are fitted by least squares with the weights 1/h (Eça & Hoekstra 2014),
+Expansions are fitted by least squares to the values phi, with the weights h^-3, as fine runs are nearer to the limit,
 
-    phi = phi_0 + a h^p,   phi_0 + a h,   phi_0 + a h²,   phi_0 + a_1 h + a_2 h²
+    phi = phi_0 + a h^p,  1 <= p <= 2      from four runs on also      phi = phi_0 + a_1 h + a_2 h²
 
-of which the one with the smallest standard deviation sigma counts. A free order p outside of `ORDERS` is that of noise,
-or of sizes that are too large. The error of the finest value is epsilon = phi_1 − phi_0; the 95 % bar of phi_0 is
+of which the one with the smallest standard deviation sigma counts. It says that the finest value is off by
+epsilon = phi_1 − phi_0. Three runs do not show whether that is so: where the grid's place makes some per cent, their
+order is chance. So the limit is corrected by a half of it, and the 95 % bar of the limit is
 
-    U = SPREAD |epsilon| + sigma + |phi_1 − fit_1|    where sigma is below the mean distance of the values, Delta,
-    U = SCATTER (the range of the values)             else, around the mean of both ends; then nothing converges
+    U = epsilon + sigma + |phi_1 − fit_1| + SCATTER (the range of the values)
 
-and with the statistical errors of the values, as the fit carries them to phi_0, in the square. Two values show no
-order: the bar holds all errors of an order between `ORDERS`.
+with the statistical errors of the values, as they reach the limit, added in squares. Where four runs follow the
+expansion (sigma < CLEAR of the range), the whole epsilon is corrected, and U has a half of it. Two runs are corrected
+by a half of the mean error of orders 1 and 2, and U is that error. `studies/coverage.py` shows what these bars hold.
 """
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -26,9 +28,12 @@ from nervure.extras import require
 from nervure.simulation.verified import Share, is_part
 
 ORDERS = (1.0, 2.0)  # Of the method: first at bodies, second elsewhere
-LEAST, LARGEST = 0.5, 2.2  # Observed orders that count
-SPREAD, SCATTER = 0.6, 1.5
+WEIGHT = 3.0  # Exponent of the weights
+HALF = 0.5  # Part of an estimated error that is corrected
+SCATTER = 0.15
+CLEAR = 0.02
 COVERED = 0.975  # Quantile of a two-sided bar of 95 %
+SEARCHED = (0.1, 6.0)  # Observed orders
 PARTS = 3  # Of the window of a signal without periods
 
 
@@ -50,65 +55,74 @@ def combine(shares: Mapping[str, Share]) -> tuple[float, float, float]:
     return first.values[0], first.values[0] - error, math.hypot(*(share.uncertainty for share in counted.values()))
 
 
+@dataclass(frozen=True)
+class _Fit:
+    """An expansion."""
+
+    limit: float
+    coefficients: list[float]
+    exponents: Sequence[float]
+    sigma: float  # Standard deviation
+    carried: np.ndarray  # Weights with which the values make the limit
+
+    @property
+    def error(self) -> float:
+        """Return the error of the finest value."""
+        return sum(self.coefficients)
+
+
 Terms = list[tuple[float, float]]
 
 
 def _estimate(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms, float, float | None, str]:
+    """Return the terms of the error, with the part that is not corrected as a constant; the bar, the observed order
+    and how the values behave."""
     if phi.size == 1:
         return [], math.inf, None, "one run"
     extent = float(np.ptp(phi))
     if extent <= float(np.hypot(noise.min(), noise.max())):
         return [], float(extent + noise[0]), None, "noise"
     if phi.size == 2:
-        return _of_two(h, phi, noise)
+        coefficient = float(np.mean([(phi[1] - phi[0]) / (h[1] ** order - 1) for order in ORDERS]))
+        middle = sum(ORDERS) / 2
+        statistical = HALF * float(np.linalg.norm(noise)) / (h[1] ** middle - 1)
+        return _terms([coefficient], [middle], HALF), math.hypot(coefficient, statistical), None, "two runs"
     steps = np.diff(phi)
-    fits = [_fit(h, phi, exponents) for exponents in ((1.0,), (2.0,), *(((1.0, 2.0),) if phi.size > 3 else ()))]
-    observed = _order(h, phi) if np.all(steps > 0) or np.all(steps < 0) else None
-    if observed is not None and LEAST <= observed <= LARGEST:
-        fits.append(_fit(h, phi, (observed,)))
-    best = min(fits, key=lambda fit: fit[1])
-    (limit, *coefficients), sigma, exponents, carried = best
-    epsilon = float(sum(coefficients))
-    if sigma < extent / (phi.size - 1):
-        kind = "converging" if observed is not None else "oscillating"
-        numerical = SPREAD * abs(epsilon) + sigma + abs(float(phi[0]) - limit - epsilon)
-        statistical = float(np.linalg.norm(carried * noise))
-        return list(zip(coefficients, exponents, strict=True)), math.hypot(numerical, statistical), observed, kind
-    return [], math.hypot(SCATTER * extent, float(noise[0])), None, "scattered"
+    monotone = bool(np.all(steps > 0) or np.all(steps < 0))
+    best = _fit(h, phi, (_order(h, phi, ORDERS),))
+    if phi.size > 3:
+        best = min(best, _fit(h, phi, ORDERS), key=lambda fit: fit.sigma)
+    clear = phi.size > 3 and best.sigma < CLEAR * extent
+    corrected = 1.0 if clear else HALF
+    missed = abs(float(phi[0]) - best.limit - best.error)
+    numerical = (1.5 - corrected) * abs(best.error) + best.sigma + missed + SCATTER * extent * (not clear)
+    to_limit = corrected * best.carried
+    to_limit[0] += 1 - corrected
+    bar = math.hypot(numerical, float(np.linalg.norm(to_limit * noise)))
+    terms = _terms(best.coefficients, best.exponents, corrected)
+    return terms, bar, _order(h, phi, SEARCHED) if monotone else None, "converging" if monotone else "oscillating"
 
 
-def _of_two(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms, float, float | None, str]:
-    """Return the middle of the errors of the largest and the smallest order, and a bar that holds 0 and both."""
-    ratio, difference = h[1], float(phi[1] - phi[0])
-    errors = [difference / (ratio**order - 1) for order in ORDERS]
-    middle = (ORDERS[0] + ORDERS[1]) / 2
-    coefficient = sum(errors) / 2
-    statistical = float(np.linalg.norm(noise)) / (ratio**middle - 1)
-    return [(coefficient, middle)], math.hypot(abs(coefficient), statistical), None, "two runs"
+def _terms(coefficients: Sequence[float], exponents: Sequence[float], corrected: float) -> Terms:
+    constant = (-(1 - corrected) * sum(coefficients), 0.0)
+    return [*zip(coefficients, exponents, strict=True), *([constant] if constant[0] else [])]
 
 
-def _fit(
-    h: np.ndarray, phi: np.ndarray, exponents: Sequence[float]
-) -> tuple[list[float], float, Sequence[float], np.ndarray]:
-    """Return limit and coefficients of an expansion, its standard deviation, its exponents, and the weights with which
-    the values make the limit."""
-    weights = np.sqrt(1 / h / (1 / h).mean())
+def _fit(h: np.ndarray, phi: np.ndarray, exponents: Sequence[float]) -> _Fit:
+    weights = h ** (-WEIGHT / 2)
+    weights /= math.sqrt(float(np.mean(weights**2)))
     matrix = np.column_stack([np.ones_like(h), *(h**exponent for exponent in exponents)])
     inverse = np.linalg.pinv(weights[:, None] * matrix) * weights
-    found = inverse @ phi
-    rest = weights * (phi - matrix @ found)
+    limit, *coefficients = (inverse @ phi).tolist()
+    rest = weights * (phi - matrix @ [limit, *coefficients])
     sigma = math.sqrt(float(rest @ rest) / max(1, phi.size - matrix.shape[1]))
-    return found.tolist(), sigma, exponents, inverse[0]
+    return _Fit(limit, coefficients, exponents, sigma, inverse[0])
 
 
-def _order(h: np.ndarray, phi: np.ndarray) -> float:
-    """Return the order of the least squares of phi_0 + a h^p."""
+def _order(h: np.ndarray, phi: np.ndarray, bounds: Sequence[float]) -> float:
+    """Return the order within `bounds` whose expansion is nearest to the values."""
     search = require("scipy.optimize", "a verification").minimize_scalar
-
-    def distance(order: float) -> float:
-        return _fit(h, phi, (order,))[1]
-
-    return float(search(distance, bounds=(0.1, 8.0), method="bounded").x)
+    return float(search(lambda order: _fit(h, phi, (order,)).sigma, bounds=bounds, method="bounded").x)
 
 
 def statistical_error(time: np.ndarray, values: np.ndarray, window: Window, what: str) -> float:

@@ -174,8 +174,8 @@ def _suits(cells: list[int], even: list[bool]) -> bool:
 
 
 def _distance(cells: int, wanted: float) -> float:
-    """Return the relative distance from a wanted number, larger for one with prime factors that are less fast."""
-    return abs(math.log(cells / wanted)) + (0.0 if is_fast(cells, SMALL) else 0.02)
+    """Return the relative distance from a wanted number, larger for more cells and for less fast prime factors."""
+    return abs(math.log(cells / wanted)) + 0.01 * (cells > wanted) + 0.02 * (not is_fast(cells, SMALL))
 
 
 def _vary_step(scene: Scene, factor: float) -> Changes:

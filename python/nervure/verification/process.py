@@ -128,10 +128,10 @@ class _Verification:
             self._make(todo)
             self._choose_quantities()
             found = self._found()
-            if found and self._reached(found):
-                break
-            todo = [one for one in self._next_round(found) if self._allowed(one)] if found else []
-            if not todo:
+            todo = self._unjudged()
+            if not todo and found and not self._reached(found):
+                todo = self._next_round(found)
+            if not (todo := [one for one in todo if self._allowed(one)]):
                 break
         return self._outcome()
 
@@ -291,12 +291,24 @@ class _Verification:
 
     def _beside(self, parameter: Parameter) -> list[Setting]:
         """Return the finished settings in which only `parameter` differs from the coarsest one."""
-        done = [self.settings[name] for name in self._finished()]
-        own = [one for one in done if parameter.name in one.factors]
-        if not own:
+        if parameter is self.plan.first or not (sequence := self._sequence()):
             return []
-        base = {key: value for key, value in own[0].factors.items() if key != parameter.name}
+        base = sequence[-1].factors
+        done = [self.settings[name] for name in self._finished()]
         return [one for one in done if {k: v for k, v in one.factors.items() if k != parameter.name} == base]
+
+    def _unjudged(self) -> list[Setting]:
+        """Return settings of parameters whose runs failed, beside the coarsest one that did not."""
+        if not (sequence := self._sequence()):
+            return []
+        found = []
+        for other in self.plan.others:
+            if len(self._beside(other)) < 2 and other.name not in self.plan.left_out:
+                try:
+                    found.append(self.plan.setting({**sequence[-1].factors, other.name: other.other}))
+                except SceneError as error:
+                    self.problems.append(f"not varied: {other.name}: {error}")
+        return [one for one in found if one.name not in self.settings]
 
     def _reached(self, found: dict[str, Quantity]) -> bool:
         return bool(found) and all(one.uncertainty <= self.within * one.scale for one in found.values())
@@ -396,7 +408,7 @@ def _beyond(found: dict[str, Quantity], parameter: str, size: float, within: flo
 def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) -> float:
     """Return the expected error of a run: of sizes below those of the runs, the bar shrinks with the error."""
     share = quantity.shares[first]
-    order = min((exponent for _, exponent in share.terms), default=1.0)
+    order = min((exponent for _, exponent in share.terms if exponent), default=1.0)
     shrunk: float = min(1.0, (relative[first] / finest) ** order)
     return quantity.error(relative) - quantity.uncertainty * (1 - shrunk)
 
