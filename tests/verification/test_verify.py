@@ -104,7 +104,7 @@ def test_a_run_that_overruns_the_budget_is_stopped_and_made_by_the_next_command(
     monkeypatch.setattr(process.Costs, "of", lambda self, work: 1e-3)
     monkeypatch.setattr(process.Costs, "measure", lambda self, setting: self.known.append((1.0, 1e-3)))
     bar.time.end = 40.0
-    found = quietly(bar, tmp_path, budget=0.6)
+    found = quietly(bar, tmp_path, budget=0.1)
     rows = {row["folder"]: row for row in json.loads((tmp_path / "sweep.json").read_text())}
     print(found.problems, {name: row["status"] for name, row in rows.items()})
     assert sweep.STOPPED in {row["status"] for row in rows.values()}
