@@ -102,9 +102,9 @@ def test_a_fluid_is_verified_within_its_budget(tmp_path):
 
 def test_a_run_that_overruns_the_budget_is_stopped_and_made_by_the_next_command(bar, tmp_path, monkeypatch):
     monkeypatch.setattr(process.Costs, "of", lambda self, work: 1e-3)
-    monkeypatch.setattr(process.Costs, "measure", lambda self, setting: self.known.append((1.0, 1e-3)))
-    bar.time.end = 40.0
-    found = quietly(bar, tmp_path, budget=0.1)
+    monkeypatch.setattr(process.Costs, "measure", lambda self, setting: self.paces.append((1.0, 1e-3)))
+    bar.time.end = 120.0
+    found = quietly(bar, tmp_path, budget=0.4)
     rows = {row["folder"]: row for row in json.loads((tmp_path / "sweep.json").read_text())}
     print(found.problems, {name: row["status"] for name, row in rows.items()})
     assert sweep.STOPPED in {row["status"] for row in rows.values()}

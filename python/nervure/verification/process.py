@@ -22,34 +22,36 @@ from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
 QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
+TRIAL = 0.25  # Largest part of the budget that the first run may take
 ROUNDS = 8  # Most rounds of a verification
 TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
 MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
 MEAN = 0.1  # The same of a mean beside its own amplitude
 SHARED = 0.5  # Part of the tolerance that a recommended setting leaves to all parameters but the first
-FINEST = 0.125  # Smallest recommended size
+FINEST, FINER = 0.125, 2**0.25  # Smallest recommended size, and ratio of two that are tried
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 
 
 @dataclass
 class Costs:
-    """Wall times of runs, s, from their work and the pace of the runs nearest to them."""
+    """Wall times of runs, s, from their work: by the finished run that is nearest to it, or the pace of first steps."""
 
-    known: list[tuple[float, float]] = field(default_factory=list)  # Work and wall time, s
+    finished: list[tuple[float, float]] = field(default_factory=list)  # Work and wall time, s
+    paces: list[tuple[float, float]] = field(default_factory=list)  # The same, expected
 
     def measure(self, setting: Setting) -> None:
         """Measure the pace of a setting by its first steps, with the time until these begin."""
         begin = time()
         with suppress(UnitError), Session(setting.scene) as session:  # A run that fails at once says so later
             ready = time() - begin
-            self.known.append((setting.work, ready + forecast.measured(session, TRIED)))
+            self.paces.append((setting.work, ready + forecast.measured(session, TRIED)))
 
     def of(self, work: float) -> float:
         """Return the expected wall time of a run, s."""
-        if not self.known:
+        if not (known := self.finished or self.paces):
             return 0.0
-        nearest = min(self.known, key=lambda one: abs(math.log(one[0] / work)))
+        nearest = min(known, key=lambda one: abs(math.log(one[0] / work)))
         return nearest[1] * work / nearest[0]
 
 
@@ -112,7 +114,7 @@ class _Verification:
         self.names: list[str] = []
         self.units: dict[str, str] = {}
         self.problems: list[str] = []
-        self.refused: set[str] = set()  # Runs that the budget does not allow
+        self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
 
     @property
     def left(self) -> float:
@@ -136,45 +138,47 @@ class _Verification:
         return self._outcome()
 
     def _first_round(self) -> list[Setting]:
-        """Return the first settings: those of the scene, or of coarser ones where these cost too much."""
+        """Return the first settings: those of the scene, or of coarser ones where these cost too much. The cheapest one
+        is made at once, if the budget allows it, and shows what the others cost."""
+        settings = list(self.plan.first_settings())
+        if not settings:
+            raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
+        if not any(map(self._known, settings)):
+            self.costs.measure(settings[0])
+        self._announce(settings)
+        if self._cost(settings[0]) <= TRIAL * self.left:
+            self._make(settings[:1])
         cheapest = math.inf
         for top in TOPS:
             settings = list(self.plan.first_settings(top))
-            if not settings:
-                raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
-            if not self.costs.known:
-                for setting in (settings[0], settings[-1])[: len({one.work for one in settings})]:
-                    self.costs.measure(setting)
-            known = [self._known(one) for one in settings]
-            costs = [0.0 if done else self.costs.of(one.work) for one, done in zip(settings, known, strict=True)]
-            cheapest = min(cheapest, sum(sorted(costs)[:2]))
-            if sum(costs) <= self.left:
-                break
+            costs = sorted(map(self._cost, settings))
+            if len(costs) > 1:
+                cheapest = min(cheapest, sum(costs[:2]))
+                if sum(costs) <= self.left:
+                    break
         else:
-            first = sorted(settings, key=lambda one: one.work)
-            kept, spent = list[Setting](), 0.0
-            for one in first:
-                spent += self.costs.of(one.work)
-                if spent <= self.left and (one.factors.keys() == {self.plan.first.name} or len(kept) > 1):
-                    kept.append(one)
-            settings = kept
-        if len(settings) < 2:
-            raise InputError(
-                f"the budget of {forecast.duration(self.budget)} is too small for two runs of {self.scene.name}: the "
-                f"cheapest two take about {forecast.duration(cheapest)}"
-            )
+            settings = [one for one in settings if one.factors.keys() == {self.plan.first.name}]
+            if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
+                raise InputError(
+                    f"the budget of {forecast.duration(self.budget)} is too small for two runs of {self.scene.name}: "
+                    f"the cheapest two take about {forecast.duration(cheapest)}"
+                )
         if top > 1.0:
             self.problems.append(
-                f"the scene itself does not fit into the budget; the finest run has {top:.3g} times its "
+                f"the scene itself does not fit into the budget: the finest run has {top:.3g} times the size of its "
                 f"{self.plan.first.name}"
             )
-        total = sum(self.costs.of(one.work) for one in settings if not self._known(one))
-        self._say(
-            f"{len(settings)} runs, about {forecast.duration(total)} of a budget of {forecast.duration(self.budget)}: "
-            + "; ".join(one.name for one in settings)
-        )
+            self._announce(settings)
         self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         return sorted(settings, key=lambda one: one.work)
+
+    def _announce(self, settings: Sequence[Setting]) -> None:
+        total, names = forecast.duration(sum(map(self._cost, settings))), "; ".join(one.name for one in settings)
+        self._say(f"{len(settings)} runs, about {total} of a budget of {forecast.duration(self.budget)}: {names}")
+
+    def _cost(self, setting: Setting) -> float:
+        """Return the expected wall time of a run, s; 0 for one that was made before."""
+        return 0.0 if self._known(setting) else self.costs.of(setting.work)
 
     def _left_out(self) -> str:
         return "; ".join(f"{name}: {why}" for name, why in self.plan.left_out.items())
@@ -190,11 +194,10 @@ class _Verification:
 
     def _allowed(self, setting: Setting) -> bool:
         """Return whether a run fits into what is left of the budget."""
-        if self._known(setting) or (cost := self.costs.of(setting.work)) <= self.left:
+        if (cost := self._cost(setting)) <= self.left:
             return True
-        self.refused.add(
-            f"{setting.name} would take about {forecast.duration(cost)}, {forecast.duration(max(0.0, self.left))} left"
-        )
+        left = forecast.duration(max(0.0, self.left))
+        self.refused[setting.name] = f"{setting.name} would take about {forecast.duration(cost)}, and {left} are left"
         return False
 
     def _make(self, todo: Iterable[Setting]) -> None:
@@ -221,7 +224,7 @@ class _Verification:
         for row in rows:
             setting = self.settings[row["folder"]]
             if row["status"] == FINISHED and row["folder"] not in self.rows:
-                self.costs.known.append((setting.work, row["wall_s"]))
+                self.costs.finished.append((setting.work, row["wall_s"]))
             elif row["folder"] not in self.rows:
                 self.problems.append(f"the run {setting.name} {row['status']}: {row['reason']}")
             self.rows[row["folder"]] = row
@@ -341,7 +344,7 @@ class _Verification:
     def _outcome(self) -> Outcome:
         found, rows = self._found(), self._finished()
         runs = [(self.settings[name], row) for name, row in self.rows.items()]
-        self.problems += [f"the budget ended: {why}" for why in sorted(self.refused)]
+        self.problems += [f"the budget ended: {why}" for why in self.refused.values()]
         if not found:
             self.problems.append("fewer than two runs of the first parameter gave values: nothing is known of errors")
             return Outcome(None, self.plan, runs, None, [], self.problems)
@@ -366,8 +369,8 @@ class _Verification:
     def _recommend(
         self, found: dict[str, Quantity]
     ) -> tuple[tuple[Scene, float, float] | None, list[tuple[float, float]]]:
-        """Return the cheapest setting whose errors are within the tolerance, with its error and wall time, s, and the
-        front of error over time."""
+        """Return the cheapest setting whose errors are within the tolerance, or else the best one that a run of the
+        length of the budget can have, with its error and wall time, s; and the front of error over time."""
         others: dict[str, float] = {}
         for parameter in self.plan.others:
             size, factor = 1.0, parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
@@ -377,23 +380,19 @@ class _Verification:
                 size *= factor
             if size != 1.0:
                 others[parameter.name] = size
-        first, best, front = self.plan.first.name, None, list[tuple[float, float]]()
+        first, front = self.plan.first.name, list[tuple[float, float, Scene]]()
         finest = self._sequence()[0].sizes[first]
-        size = max(one.sizes[first] for one in self._sequence())
-        while size >= FINEST:
-            try:
+        size = self._sequence()[-1].sizes[first]
+        while size >= FINEST and not (front and size < finest / ROOT2 and front[-1][1] <= self.within):
+            with suppress(SceneError):
                 setting = self.plan.setting({first: size, **others})
-            except SceneError:
-                size /= 2**0.25
-                continue
-            error = max(_expected(one, setting.sizes, finest, first) / one.scale for one in found.values())
-            front.append((self.costs.of(setting.work), error))
-            if error <= self.within and best is None:
-                best = setting.scene, error, front[-1][0]
-            if best and size < finest / ROOT2:
-                break
-            size /= 2**0.25
-        return best, front
+                error = max(_expected(one, setting.sizes, finest, first) / one.scale for one in found.values())
+                front.append((self.costs.of(setting.work), error, setting.scene))
+            size /= FINER
+        within = [one for one in front if one[1] <= self.within]
+        allowed = [one for one in front if one[0] <= self.budget]
+        best = within[0] if within else min(allowed, key=lambda one: one[1], default=None)
+        return (best[2], best[1], best[0]) if best else None, [(wall, error) for wall, error, _ in front]
 
 
 def _beyond(found: dict[str, Quantity], parameter: str, size: float, within: float) -> bool:

@@ -18,6 +18,7 @@ from nervure.verification.process import Outcome
 RECOMMENDED, PICTURE = "recommended.json", "verify.png"
 SUFFIX = "-verified"  # Of the name of the recommended scene
 LONGEST_NAME = 100  # Characters
+WIDTH = 110  # Least characters of a line of the table
 DRAWN = 7  # Quantities in the picture
 
 
@@ -45,16 +46,18 @@ def write(outcome: Outcome, folder: Path) -> list[Path]:
 def print_table(console: Console, verified: Verified) -> None:
     """Print values, limits and bars of all quantities, the errors of the scene by parameter, and what was spent."""
     names = list(dict.fromkeys(name for one in verified.quantities.values() for name in one.shares))
-    right = [Column(escape(name), justify="right") for name in ("finest", "limit", "± 95 %", "order", *names)]
-    table = Table("quantity", *right, box=None, padding=(0, 1), title=f"{verified.scene}: errors of the scene")
+    headings = ("finest", "limit ± 95 %", "±", "order", *names)
+    right = [Column(escape(name), justify="right", no_wrap=True) for name in headings]
+    quantity = Column("quantity", no_wrap=True)
+    table = Table(quantity, *right, box=None, padding=(0, 1), title=f"{verified.scene}: errors of the scene")
     for name, one in verified.quantities.items():
         first, *_ = one.shares.values()
-        order = f"{first.order:.1f}" if first.order and first.kind == "converging" else first.kind
+        order = f"{first.order:.1f}" if first.order else "–"
         label = f"{name.replace('_', ' ')} [{one.unit}]" if one.unit else name.replace("_", " ")
-        bar = f"{one.uncertainty:.2g} ({_percent(one.uncertainty / one.scale)})"
+        limit = f"{one.limit:.4g} ± {one.uncertainty:.2g}"
         shares = (_share(one, one.shares.get(parameter)) for parameter in names)
-        table.add_row(escape(label), f"{one.value:.4g}", f"{one.limit:.4g}", bar, order, *shares)
-    console.print(table)
+        table.add_row(escape(label), f"{one.value:.4g}", limit, _percent(one.uncertainty / one.scale), order, *shares)
+    console.print(table, width=max(console.width, WIDTH))
     reached = "all within" if verified.reached else "not all within"
     spent = forecast.duration(verified.wall_s)
     said = f"{reached} {_percent(verified.within)}; {verified.runs} runs of {spent}"
@@ -69,20 +72,17 @@ def print_outcome(console: Console, outcome: Outcome, folder: Path, written: Seq
         return
     print_table(console, verified)
     if outcome.recommended and verified.recommended_wall_s is not None and verified.recommended_error is not None:
+        far = verified.recommended_error > verified.within
         console.print(
-            f"recommended: {setting(outcome.recommended)}: errors up to {_percent(verified.recommended_error)}, about "
-            f"{forecast.duration(verified.recommended_wall_s)}: `nervure run {folder / RECOMMENDED}`",
+            f"{'best within the budget' if far else 'recommended'}: {setting(outcome.recommended)}: errors up to "
+            f"{_percent(verified.recommended_error)}, about {forecast.duration(verified.recommended_wall_s)}: "
+            f"`nervure run {folder / RECOMMENDED}`",
             markup=False,
             soft_wrap=True,
         )
-    elif outcome.front:
-        wall, error = outcome.front[-1]
-        console.print(
-            f"no setting is recommended: the finest tried one would have errors up to {_percent(error)} in "
-            f"{forecast.duration(wall)}; more runs, by a larger --budget, may show that less is enough",
-            markup=False,
-            soft_wrap=True,
-        )
+        if far and (better := [one for one in outcome.front if one[1] < verified.recommended_error]):
+            wall, error = min(better, key=lambda one: one[1])
+            console.print(f"finer ones: errors up to {_percent(error)} in {forecast.duration(wall)}", soft_wrap=True)
     console.print(f"table in {folder / FILE}, " + ", ".join(map(str, written)), markup=False, soft_wrap=True)
 
 
