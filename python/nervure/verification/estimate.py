@@ -11,8 +11,9 @@ order is chance. So the limit is corrected by a half of it, and the 95 % bar of 
     U = epsilon + sigma + |phi_1 − fit_1| + SCATTER (the range of the values)
 
 with the statistical errors of the values, as they reach the limit, added in squares. Where four runs follow the
-expansion (sigma < CLEAR of the range), the whole epsilon is corrected, and U has a half of it. Two runs are corrected
-by a half of the mean error of orders 1 and 2, and U is that error. `studies/coverage.py` shows what these bars hold.
+expansion (sigma < CLEAR of the range), the whole epsilon is corrected, and U has a half of it; where they do not, the
+coarsest one is left out. Two runs are corrected by a half of the mean error of orders 1 and 2, and U is that error.
+`studies/coverage.py` shows what these bars hold.
 """
 
 import math
@@ -87,12 +88,13 @@ def _estimate(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms,
         middle = sum(ORDERS) / 2
         statistical = HALF * float(np.linalg.norm(noise)) / (h[1] ** middle - 1)
         return _terms([coefficient], [middle], HALF), math.hypot(coefficient, statistical), None, "two runs"
+    fits = [_fit(h, phi, (_order(h, phi, ORDERS),)), *([_fit(h, phi, ORDERS)] if phi.size > 3 else [])]
+    best = min(fits, key=lambda fit: fit.sigma)
+    clear = phi.size > 3 and best.sigma < CLEAR * extent
+    if phi.size > 3 and not clear:
+        return _estimate(h[:-1], phi[:-1], noise[:-1])
     steps = np.diff(phi)
     monotone = bool(np.all(steps > 0) or np.all(steps < 0))
-    best = _fit(h, phi, (_order(h, phi, ORDERS),))
-    if phi.size > 3:
-        best = min(best, _fit(h, phi, ORDERS), key=lambda fit: fit.sigma)
-    clear = phi.size > 3 and best.sigma < CLEAR * extent
     corrected = 1.0 if clear else HALF
     missed = abs(float(phi[0]) - best.limit - best.error)
     numerical = (1.5 - corrected) * abs(best.error) + best.sigma + missed + SCATTER * extent * (not clear)

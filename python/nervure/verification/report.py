@@ -18,7 +18,7 @@ from nervure.verification.process import Outcome
 RECOMMENDED, PICTURE = "recommended.json", "verify.png"
 SUFFIX = "-verified"  # Of the name of the recommended scene
 LONGEST_NAME = 100  # Characters
-WIDTH = 110  # Least characters of a line of the table
+WIDTH = 110  # Characters of a line where the output is no terminal
 DRAWN = 7  # Quantities in the picture
 
 
@@ -46,18 +46,21 @@ def write(outcome: Outcome, folder: Path) -> list[Path]:
 def print_table(console: Console, verified: Verified) -> None:
     """Print values, limits and bars of all quantities, the errors of the scene by parameter, and what was spent."""
     names = list(dict.fromkeys(name for one in verified.quantities.values() for name in one.shares))
-    headings = ("finest", "limit ± 95 %", "±", "order", *names)
-    right = [Column(escape(name), justify="right", no_wrap=True) for name in headings]
-    quantity = Column("quantity", no_wrap=True)
-    table = Table(quantity, *right, box=None, padding=(0, 1), title=f"{verified.scene}: errors of the scene")
+    headings = ("finest", "limit ± 95 %", "± %", "order", *(f"{name} %" for name in names))
+    right = (Column(escape(name), justify="right", no_wrap=True) for name in headings)
+    table = Table("quantity", *right, box=None, padding=(0, 1), title=f"{verified.scene}: errors of the scene")
     for name, one in verified.quantities.items():
         first, *_ = one.shares.values()
         order = f"{first.order:.1f}" if first.order else "–"
-        label = f"{name.replace('_', ' ')} [{one.unit}]" if one.unit else name.replace("_", " ")
+        label = f"{name.removesuffix('_hz').replace('_', ' ')} [{one.unit}]" if one.unit else name.replace("_", " ")
         limit = f"{one.limit:.4g} ± {one.uncertainty:.2g}"
         shares = (_share(one, one.shares.get(parameter)) for parameter in names)
-        table.add_row(escape(label), f"{one.value:.4g}", limit, _percent(one.uncertainty / one.scale), order, *shares)
-    console.print(table, width=max(console.width, WIDTH))
+        table.add_row(
+            escape(label), f"{one.value:.4g}", limit, _percent(one.uncertainty / one.scale)[:-2], order, *shares
+        )
+    if not console.is_terminal:
+        console.width = WIDTH
+    console.print(table)
     reached = "all within" if verified.reached else "not all within"
     spent = forecast.duration(verified.wall_s)
     said = f"{reached} {_percent(verified.within)}; {verified.runs} runs of {spent}"
@@ -100,16 +103,16 @@ def setting(scene: Scene) -> str:
 
 
 def _share(quantity: Quantity, share: Share | None) -> str:
-    """Return the error by a parameter at the size of the scene, relative to the value."""
+    """Return the error by a parameter at the size of the scene, relative to the value, %; without one its bar."""
     if share is None:
         return "–"
     if not share.terms:
-        return f"± {_percent(share.uncertainty / quantity.scale)}"
-    return f"{100 * share.error(1.0) / quantity.scale:+.2g} %"
+        return f"±{100 * share.uncertainty / quantity.scale:.2g}"
+    return f"{100 * share.error(1.0) / quantity.scale:+.2g}"
 
 
 def _percent(part: float) -> str:
-    return f"{100 * part:.2g} %" if part < 9.95 else "> 10 x"
+    return f"{100 * part:.2g} %"
 
 
 def _draw(outcome: Outcome, verified: Verified, path: Path) -> Path:
