@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Callable, Iterator
-from math import inf, pi, radians
+from math import pi, radians
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,9 @@ from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.store import Data
 
 SEED = 2014
+WITHIN, BUDGET = 0.02, 20.0  # Tolerance and wall time, s, of each verification
+IN_SAME_BOX = ("cells", "segments", "step", "c_eta")
+COARSER = 0.69  # Smallest relative size of the runs beside a truth of a quarter of the size
 FINER = {2: 4.0, 3: 2 * 2**0.5, 0: 8.0}  # Of the truth by dimensions of the fluid; 0: without one
 STREAM = "viv-384x256"  # A free stream in the plane, whose body is replaced
 FALL, BAR = "csm1", "csm3"
@@ -189,26 +192,25 @@ def cases() -> Iterator[Case]:
 
 
 def measured(case: Case, folder: Path) -> dict[str, Any]:
-    """Verify the scene of a case without a tolerance, and make the run that is its truth."""
+    """Verify the scene of a case within `WITHIN`, and make the run that is its truth."""
     scene = validate(case.built())
-    names = list(case.options["names"])
-    in_same_box = ("cells", "segments", "step", "c_eta")
-    parameters = () if case.about["exact"] and scene.fluid else in_same_box
-    found = verify(scene, folder / "runs", inf, 1e9, names, parameters, workers=1, force=True)
+    names, exact = list(case.options["names"]), dict(case.about["exact"])
+    parameters = () if exact and scene.fluid else IN_SAME_BOX
+    found = verify(scene, folder / "runs", WITHIN, BUDGET, names, parameters, workers=1, force=True)
     if found.verified is None:
         raise InputError("; ".join(found.problems))
-    truth = dict(case.about["exact"])
-    if "elastica" in truth:
-        truth = beam_exact(truth["elastica"])
-    elif not truth:
-        truth = finest(found, names, folder / "truth", scene.fluid)
+    if "elastica" in exact:
+        exact = beam_exact(exact["elastica"])
+    own = not exact
+    truth = exact or finest(found, names, folder / "truth", scene.fluid)
     shares = {
         name: {key: vars(share) for key, share in quantity.shares.items()}
         for name, quantity in found.verified.quantities.items()
         if name in truth
     }
-    spent = {setting.name: row["wall_s"] for setting, row in found.runs}
-    return {"truth": truth, "shares": shares, "wall_s": spent, "problems": found.problems}
+    wall, recommended = found.verified.wall_s, found.verified.recommended_wall_s
+    cost = wall / recommended if found.reached and recommended else None
+    return {"truth": truth, "own": own, "shares": shares, "wall_s": wall, "cost": cost, "problems": found.problems}
 
 
 def finest(found: Outcome, names: list[str], folder: Path, fluid: Any) -> dict[str, float]:
@@ -227,17 +229,24 @@ Bar = dict[str, Any]
 
 
 def bars(found: dict[str, Any]) -> Iterator[Bar]:
-    """Yield the bars that the estimator makes of the runs of a case."""
+    """Yield the bars that the estimator makes of the runs of a case, those left out that are less than three times √2
+    coarser than its truth."""
     for name, shares in found["shares"].items():
-        again = {key: estimate(own["sizes"], own["values"], own["noise"]) for key, own in shares.items()}
+        again = {}
+        for number, (key, own) in enumerate(shares.items()):
+            runs = list(zip(own["sizes"], own["values"], own["noise"]))
+            if number == 0 and found["own"]:
+                runs = [run for run in runs if run[0] >= COARSER]
+            again[key] = estimate(*zip(*runs))
         value, limit, bar = combine(again)
-        kind = next(iter(again.values())).kind
-        truth = found["truth"][name]
+        kind, truth = next(iter(again.values())).kind, found["truth"][name]
         yield {"quantity": name, "value": value, "limit": limit, "bar": bar, "truth": truth, "kind": kind}
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    return {"tables": {"bars": list(bars(run.found))}, "times": {"cpu_s": sum(run.found["wall_s"].values())}}
+    found = run.found
+    values = {"cost": found["cost"]} if found["cost"] else {}
+    return {"values": values, "tables": {"bars": list(bars(found))}, "times": {"wall_s": found["wall_s"]}}
 
 
 KINDS = {"cd": "drag", "cl": "lift", "st": "frequency", "height": "motion", "amplitude": "motion", "angle": "motion"}

@@ -10,7 +10,6 @@ import nervure
 from nervure import InputError
 from nervure.scene import validate
 from nervure.simulation import sweep, verified
-from nervure.verification import process
 from nervure.verification.plan import Plan, scaled
 from studies import elastica
 from tests.conftest import FLUID_ONLY, nervure as tool
@@ -32,16 +31,18 @@ def quietly(scene, folder, **how):
     return nervure.verify(scene, folder, workers=1, quiet=True, **{"budget": 60, **how})
 
 
-def test_the_plan_of_a_flag_varies_all_that_it_has_on_the_coarsest_grid():
+def test_the_plan_of_a_flag_varies_all_that_it_has_on_coarse_grids():
     plan = Plan(nervure.load("flag-line-480x240"))
     settings = {one.name: one for one in plan.first_settings()}
     assert [one.name for one in plan.parameters] == ["cells", "segments", "step", "c_eta", "box"]
-    cost = {name: one.work / settings["scene"].work for name, one in settings.items()}
+    assert list(settings)[:3] == ["cells=2.83", "cells=2", "cells=2,segments=2"]
+    cost = {name: one.work / plan.setting({}).work for name, one in settings.items()}
     print(cost)
-    assert sum(cost.values()) <= 2.5 and cost["cells=2"] <= 0.2
+    assert sum(cost.values()) <= 1.2 and cost["cells=2"] <= 0.2
     assert settings["cells=2"].scene.fluid.box.cells == (240, 120)
     assert settings["cells=2"].scene.time.communication_step == pytest.approx(0.004)
-    assert settings["cells=2,step=0.5"].scene.time.communication_step == pytest.approx(0.002)
+    step = plan.setting({"cells": 2.0, "step": 0.5})
+    assert step.scene.time.communication_step == pytest.approx(0.002) and step.sizes["cells"] == pytest.approx(2.0)
     assert settings["cells=2,c_eta=2"].scene.fluid.mask.log_linear.c_eta == pytest.approx(4e-4)
     larger = settings["cells=2,box=0.667"].scene.fluid
     assert larger.box.x == pytest.approx((-2.25, 5.25)) and larger.sponge.x == pytest.approx((4.45, 5.25))
@@ -91,23 +92,21 @@ def test_the_bar_under_its_weight_is_verified_by_one_command(bar, tmp_path):
 
 def test_a_fluid_is_verified_within_its_budget(tmp_path):
     scene = validate(copy.deepcopy(FLUID_ONLY) | {"time": {"end": 0.1, "communication_step": 2e-3}})
-    begin = time.perf_counter()
     found = quietly(scene, tmp_path, within=1e-6, budget=1.2)
-    spent = time.perf_counter() - begin
+    spent = sum(row["wall_s"] for _, row in found.runs)
     print(spent, found.problems)
     assert not found.reached and any("the budget ended" in problem for problem in found.problems)
-    assert {"cells", "step", "c_eta", "box"} == set(found.verified.quantities["drag_mean"].shares)
-    assert spent <= 1.1 * 1.2 + 1.0  # The picture comes after the runs
+    assert {"cells", "c_eta", "box"} <= set(found.verified.quantities["drag_mean"].shares)
+    assert spent <= 1.1 * 1.2
 
 
 def test_a_run_that_overruns_the_budget_is_stopped_and_made_by_the_next_command(bar, tmp_path, monkeypatch):
-    monkeypatch.setattr(process.Costs, "of", lambda self, work: 1e-3)
-    monkeypatch.setattr(process.Costs, "measure", lambda self, setting: self.paces.append((1.0, 1e-3)))
-    bar.time.end = 120.0
-    found = quietly(bar, tmp_path, budget=0.4)
-    rows = {row["folder"]: row for row in json.loads((tmp_path / "sweep.json").read_text())}
-    print(found.problems, {name: row["status"] for name, row in rows.items()})
-    assert sweep.STOPPED in {row["status"] for row in rows.values()}
+    with monkeypatch.context() as late:
+        late.setattr(sweep, "time", lambda: float("inf"))
+        found = quietly(bar, tmp_path)
+    rows = {row["folder"]: row["status"] for row in json.loads((tmp_path / "sweep.json").read_text())}
+    print(found.problems, rows)
+    assert set(rows.values()) == {sweep.STOPPED} and not found.reached
     assert any("it took longer than was left" in problem for problem in found.problems)
     assert quietly(bar, tmp_path, within=0.05).reached
 
@@ -126,10 +125,10 @@ def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, t
         return whole(scene, folder, *rest)
 
     monkeypatch.setattr(sweep, "run_case", run_case)
-    found = quietly(bar, tmp_path, within=0.05)
+    found = quietly(bar, tmp_path, within=1e-4)
     print(found.problems)
-    assert "the run scene failed: the rod diverged" in found.problems
-    assert found.verified.runs >= 3 and len(found.verified.quantities["tip_uy_mean"].shares["segments"].sizes) == 2
+    assert "the run scene failed: the rod diverged" in found.problems and not found.reached
+    assert min(found.verified.quantities["tip_uy_mean"].shares["segments"].sizes) == pytest.approx(4 / 3)
 
 
 @pytest.mark.parametrize(

@@ -138,7 +138,8 @@ def statistical_error(time: np.ndarray, values: np.ndarray, window: Window, what
         mean, amplitude = statistics.extent(values[window.of(time)])
         crossings = statistics.upward_crossings(time, values, mean, amplitude)
         lengths = np.diff(crossings[(crossings >= window.begin - 1e-9) & (crossings <= window.end + 1e-9)])
-        return _of_mean(1 / lengths) if lengths.size > 1 else 0.0
+        whole = lengths[lengths > HALF * np.median(lengths)] if lengths.size else lengths
+        return _of_mean(whole) / float(np.mean(whole)) ** 2 if whole.size > 1 else 0.0
     periods = statistics.folded(time, values, window)
     high, low = periods.max(axis=1), periods.min(axis=1)
     return _of_mean((high + low) / 2 if what == "mean" else (high - low) / 2)

@@ -1,12 +1,12 @@
 """The numerical parameters of a scene, and the runs that show their errors.
 
 The first parameter that a scene has is refined in a sequence: `cells`, with the steps in proportion, or else
-`segments`, `mesh` or `step`. Each of the others changes once, on the coarsest setting of the first, where a run is
-cheap.
+`segments`, `mesh` or `step`: from coarse settings, where a run is cheap, to the scene's and on. Each of the others
+changes once, on a coarse setting of the first.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,11 +15,12 @@ from nervure.library import check
 from nervure.output.forecast import is_fast
 from nervure.scene import Scene, text
 from nervure.scene.solids import box_ends
-from nervure.simulation.verified import free_axes, sizes, triangles_along
+from nervure.simulation.verified import free_axes, is_part, sizes, triangles_along
 
 ROOT2 = math.sqrt(2)
-LEVELS = (2.0, ROOT2, 1.0)  # Sizes of the first parameter, relative to the scene, from the coarsest and cheapest
-HALVES, MANY = (4.0, 2.0, 1.0), 32  # The same from so many segments on, for a scene without a fluid
+LEVELS = (2 * ROOT2, 2.0, ROOT2)  # Sizes of the first parameter, relative to the scene, from the coarsest and cheapest
+HALVES, MANY = (8.0, 4.0, 2.0), 64  # The same from so many segments on, for a scene without a fluid
+BASE = 1  # Index of the level beside which the other parameters vary
 STRETCH = 0.25  # Part of the cells of an axis that a larger box has more at each end
 NEAR = 0.15  # Largest relative distance of a number of cells from the wanted one
 SMALL = (2, 3, 5, 7)  # Prime factors that are preferred
@@ -93,23 +94,26 @@ class Plan:
         return Setting(",".join(named) or "scene", scene, factors, reached, work(scene))
 
     def first_settings(self, top: float = 1.0) -> Iterator[Setting]:
-        """Yield the settings of the first parameter from the coarsest to `top`, and of the others on the coarsest."""
-        base: Setting | None = None
-        for level in self.levels:
+        """Yield coarse settings of the first parameter, the finest `top` times as fine as those for the scene itself,
+        and of the others on one of them. The step waits: it follows the cells, and only shows what part it has."""
+        known: list[Factors] = []
+        for number, level in enumerate(self.levels):
             try:
                 found = self.setting({self.first.name: top * level})
             except SceneError as error:
-                self.left_out[f"{self.first.name} x {top * level:.3g}"] = str(error)
+                if number >= BASE:
+                    self.left_out[f"{self.first.name} x {top * level:.3g}"] = str(error)
                 continue
-            if base is None:
-                base = found
-                yield base
-                yield from self._beside(base)
-            elif found.sizes != base.sizes:
-                yield found
+            if found.sizes in known:
+                continue
+            known.append(found.sizes)
+            yield found
+            if number == BASE or (number > BASE and len(known) == 1):
+                yield from self.beside(found, [one for one in self.others if not is_part(one.name, self.sizes)])
 
-    def _beside(self, base: Setting) -> Iterator[Setting]:
-        for other in self.others:
+    def beside(self, base: Setting, others: Iterable[Parameter]) -> Iterator[Setting]:
+        """Yield the settings in which one of `others` differs from `base`."""
+        for other in others:
             try:
                 yield self.setting({**base.factors, other.name: other.other})
             except SceneError as error:

@@ -18,18 +18,20 @@ from nervure.simulation.summary import Summary, is_force
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
-from nervure.verification.estimate import combine, estimate, noise_of
-from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
+from nervure.verification.estimate import HALF, combine, estimate, noise_of
+from nervure.verification.plan import BASE, ROOT2, Factors, Parameter, Plan, Setting
 
 QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
 TRIAL = 0.25  # Largest part of the budget that the first run may take
-ROUNDS = 8  # Most rounds of a verification
+ALIKE, MAIN = 0.3, 3  # Largest relative difference of runs of the same flow, in so many of the first quantities
+LEAST = 3  # Runs of the first parameter that are enough
+ROUNDS = 10  # Most rounds of a verification
 TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
 MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
 MEAN = 0.1  # The same of a mean beside its own amplitude
 SHARED = 0.5  # Part of the tolerance that a recommended setting leaves to all parameters but the first
-FINEST, FINER = 0.125, 2**0.25  # Smallest recommended size, and ratio of two that are tried
+FINEST, FINER = 0.1, 2**0.25  # Smallest recommended size, and ratio of two that are tried
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 
 
@@ -111,6 +113,7 @@ class _Verification:
         self.settings: dict[str, Setting] = {}
         self.rows: dict[str, Row] = {}
         self.noise: dict[tuple[str, str], float] = {}  # By folder and column
+        self.ratio = self.plan.levels[-2] / self.plan.levels[-1]
         self.names: list[str] = []
         self.units: dict[str, str] = {}
         self.problems: list[str] = []
@@ -129,10 +132,7 @@ class _Verification:
         for _ in range(ROUNDS):
             self._make(todo)
             self._choose_quantities()
-            found = self._found()
-            todo = self._unjudged()
-            if not todo and found and not self._reached(found):
-                todo = self._next_round(found)
+            todo = [] if self._reached(found := self._found()) else self._next_round(found)
             if not (todo := [one for one in todo if self._allowed(one)]):
                 break
         return self._outcome()
@@ -158,16 +158,14 @@ class _Verification:
                     break
         else:
             settings = [one for one in settings if one.factors.keys() == {self.plan.first.name}]
+            if self.rows and self.left <= 0:
+                return []
             if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
                 raise InputError(
                     f"the budget of {forecast.duration(self.budget)} is too small for two runs of {self.scene.name}: "
                     f"the cheapest two take about {forecast.duration(cheapest)}"
                 )
         if top > 1.0:
-            self.problems.append(
-                f"the scene itself does not fit into the budget: the finest run has {top:.3g} times the size of its "
-                f"{self.plan.first.name}"
-            )
             self._announce(settings)
         self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         return sorted(settings, key=lambda one: one.work)
@@ -258,11 +256,15 @@ class _Verification:
         having = [one for one in settings if isinstance(self.rows[one.name].get(name), int | float)]
         if not having:
             return None
-        return estimate(
-            [one.sizes[parameter] for one in having],
-            [self.rows[one.name][name] for one in having],
-            [self.noise.get((one.name, name), 0.0) for one in having],
-        )
+        values = [float(self.rows[one.name][name]) for one in having]
+        if parameter == self.plan.first.name:
+            noise = [self.noise.get((one.name, name), 0.0) for one in having]
+        else:  # They differ little, so their statistical errors are the same, and relative changes hold on finer cells
+            noise, base = [0.0 for _ in having], self._base()
+            pair = base or having[0], self._sequence()[0]
+            own, finest = (abs(self.rows[one.name].get(name) or 0.0) for one in pair)
+            values = [value * min(1.0, finest / own) if own else value for value in values]
+        return estimate([one.sizes[parameter] for one in having], values, noise)
 
     def _found(self) -> dict[str, Quantity]:
         """Return what is known of each quantity; nothing before two runs of the first parameter."""
@@ -292,51 +294,67 @@ class _Verification:
             )
         return found
 
-    def _beside(self, parameter: Parameter) -> list[Setting]:
-        """Return the finished settings in which only `parameter` differs from the coarsest one."""
-        if parameter is self.plan.first or not (sequence := self._sequence()):
-            return []
-        base = sequence[-1].factors
-        done = [self.settings[name] for name in self._finished()]
-        return [one for one in done if {k: v for k, v in one.factors.items() if k != parameter.name} == base]
-
-    def _unjudged(self) -> list[Setting]:
-        """Return settings of parameters whose runs failed, beside the coarsest one that did not."""
+    def _base(self) -> Setting | None:
+        """Return the setting beside which the other parameters vary: the coarsest one with a run for them already, or
+        else the coarsest one, whose values are `ALIKE` those of the finest run; None before any run."""
         if not (sequence := self._sequence()):
+            return None
+        alike = [one for one in reversed(sequence) if self._is_alike(one, sequence[0])]
+        beside = [{**one.factors} for one in self.settings.values() if len(one.factors) > 1]
+        first = self.plan.first.name
+        used = [one for one in alike if any(other.get(first) == one.factors.get(first) for other in beside)]
+        return (used or alike)[0]
+
+    def _is_alike(self, setting: Setting, finest: Setting) -> bool:
+        """Return whether the main values of two runs are of the same flow."""
+        row, best = self.rows[setting.name], self.rows[finest.name]
+        pairs = [(row.get(name), best[name]) for name in self.names if best.get(name) is not None]
+        return all(one is not None and abs(one - other) <= ALIKE * abs(other) for one, other in pairs[:MAIN])
+
+    def _beside(self, parameter: Parameter) -> list[Setting]:
+        """Return the finished settings in which at most `parameter` differs from the coarse one."""
+        if (base := self._base()) is None:
             return []
-        found = []
-        for other in self.plan.others:
-            if len(self._beside(other)) < 2 and other.name not in self.plan.left_out:
-                try:
-                    found.append(self.plan.setting({**sequence[-1].factors, other.name: other.other}))
-                except SceneError as error:
-                    self.problems.append(f"not varied: {other.name}: {error}")
-        return [one for one in found if one.name not in self.settings]
+        done = [self.settings[name] for name in self._finished()]
+        return [one for one in done if {k: v for k, v in one.factors.items() if k != parameter.name} == base.factors]
 
     def _reached(self, found: dict[str, Quantity]) -> bool:
-        return bool(found) and all(one.uncertainty <= self.within * one.scale for one in found.values())
+        first = self.plan.first.name
+        return bool(found) and all(
+            one.uncertainty <= self.within * one.scale and len(one.shares[first].sizes) >= LEAST
+            for one in found.values()
+        )
 
     def _next_round(self, found: dict[str, Quantity]) -> list[Setting]:
-        """Return finer settings of the parameters that make most of the bars that are too wide."""
+        """Return the next settings: of parameters without a second run, and finer ones of those that make most of the
+        bars that are too wide."""
+        base = self._base()
+        alone = [one for one in self.plan.others if len(self._beside(one)) < 2 and one.name not in self.plan.left_out]
+        if base and base.factors.get(self.plan.first.name, 1.0) < self.plan.levels[BASE]:
+            alone = [one for one in alone if not is_part(one.name, self.plan.sizes)]  # Too expensive there
+        wanted = list(self.plan.beside(base, alone)) if base else []
         wide = [one for one in found.values() if one.uncertainty > self.within * one.scale]
-        limit = self.within / ROOT2
-        wanted = []
+        limit, first = self.within / ROOT2, self.plan.first
         for parameter in self.plan.parameters:
             shares = [(one, share) for one in wide if (share := one.shares.get(parameter.name))]
-            if is_part(parameter.name, self.plan.sizes) or all(s.uncertainty <= limit * q.scale for q, s in shares):
-                continue
-            wanted.append(self._finer(parameter))
-        return [one for one in wanted if one is not None and one.name not in self.settings]
+            enough = all(share.uncertainty <= limit * one.scale for one, share in shares)
+            few = parameter is first and len(self._sequence()) < LEAST
+            if (few or not enough) and not is_part(parameter.name, self.plan.sizes):
+                wanted += [finer] if (finer := self._finer(parameter)) else []
+        return [one for one in wanted if one.name not in self.settings]
 
     def _finer(self, parameter: Parameter) -> Setting | None:
         """Return the next finer setting of a parameter; None where the scene cannot have it."""
         try:
             if parameter is self.plan.first:
-                least = min(one.factors[parameter.name] for one in self._sequence())
-                return self.plan.setting({parameter.name: round(least / ROOT2, 6)})
-            beside = self._beside(parameter)
-            base: Factors = {key: value for key, value in beside[0].factors.items() if key != parameter.name}
-            return self.plan.setting({**base, parameter.name: parameter.outward}) if beside else None
+                made = [one for one in self.settings.values() if one.factors.keys() <= {parameter.name}]
+                last = min(made, key=lambda one: one.factors.get(parameter.name, 1.0))
+                if last.name not in self._finished():
+                    return None  # Finer ones would fail too
+                finer = round(last.factors.get(parameter.name, 1.0) / self.ratio, 6)
+                return self.plan.setting({parameter.name: finer})
+            base = self._base()
+            return self.plan.setting({**base.factors, parameter.name: parameter.outward}) if base else None
         except SceneError as error:
             self.problems.append(f"{parameter.name} cannot be finer: {error}")
             return None
@@ -371,15 +389,11 @@ class _Verification:
     ) -> tuple[tuple[Scene, float, float] | None, list[tuple[float, float]]]:
         """Return the cheapest setting whose errors are within the tolerance, or else the best one that a run of the
         length of the budget can have, with its error and wall time, s; and the front of error over time."""
-        others: dict[str, float] = {}
-        for parameter in self.plan.others:
-            size, factor = 1.0, parameter.outward if parameter.outward >= 0.5 else math.sqrt(parameter.outward)
-            if is_part(parameter.name, self.plan.sizes):
-                continue
-            while size > FINEST and _beyond(found, parameter.name, size, self.within):
-                size *= factor
-            if size != 1.0:
-                others[parameter.name] = size
+        others = {
+            parameter.name: parameter.outward
+            for parameter in self.plan.others
+            if not is_part(parameter.name, self.plan.sizes) and _beyond(found, parameter.name, self.within)
+        }
         first, front = self.plan.first.name, list[tuple[float, float, Scene]]()
         finest = self._sequence()[0].sizes[first]
         size = self._sequence()[-1].sizes[first]
@@ -395,10 +409,10 @@ class _Verification:
         return (best[2], best[1], best[0]) if best else None, [(wall, error) for wall, error, _ in front]
 
 
-def _beyond(found: dict[str, Quantity], parameter: str, size: float, within: float) -> bool:
-    """Return whether the error by a parameter of a size is larger than its part of the tolerance."""
+def _beyond(found: dict[str, Quantity], parameter: str, within: float) -> bool:
+    """Return whether the error by a parameter is larger than its part of the tolerance, and than its own bar."""
     return any(
-        abs(share.error(size)) > SHARED * within * one.scale
+        abs(share.error(1.0)) > max(SHARED * within * one.scale, HALF * share.uncertainty)
         for one in found.values()
         if (share := one.shares.get(parameter))
     )
@@ -432,7 +446,8 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
         if not swings or abs(quantity.mean) >= MEAN * quantity.amplitude:
             found.append(f"{name}_mean")
         if swings:
-            found += [f"{name}_amplitude", f"{name}_frequency_hz"]
+            regular = wanted or quantity.state in ("periodic", "drifting")
+            found += [f"{name}_amplitude", *([f"{name}_frequency_hz"] if regular else [])]
     for name in wanted:
         if name in row and isinstance(row[name], int | float) and name not in found:
             found.append(name)

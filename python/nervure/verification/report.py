@@ -48,7 +48,13 @@ def print_table(console: Console, verified: Verified) -> None:
     names = list(dict.fromkeys(name for one in verified.quantities.values() for name in one.shares))
     headings = ("finest", "limit ± 95 %", "± %", "order", *(f"{name} %" for name in names))
     right = (Column(escape(name), justify="right", no_wrap=True) for name in headings)
-    table = Table("quantity", *right, box=None, padding=(0, 1), title=f"{verified.scene}: errors of the scene")
+    table = Table(
+        Column("quantity", no_wrap=True),
+        *right,
+        box=None,
+        padding=(0, 1),
+        title=f"{verified.scene}: errors of the scene",
+    )
     for name, one in verified.quantities.items():
         first, *_ = one.shares.values()
         order = f"{first.order:.1f}" if first.order else "–"
