@@ -1,19 +1,20 @@
 """Estimates of errors from runs at several sizes h of a parameter, after Eça & Hoekstra (2014).
 
-Expansions are fitted by least squares to the values phi, with the weights h^-3, as fine runs are nearer to the limit,
+Expansions are fitted by least squares, with the weights h^-3, to the values phi of the three finest runs: the limit is
+nearer to them, and coarser ones are often of another flow. Of five and more runs that follow it to `CLEAR` all count:
 
-    phi = phi_0 + a h^p,  1 <= p <= 2      from four runs on also      phi = phi_0 + a_1 h + a_2 h²
+    phi = phi_0 + a h^p,  1 <= p <= 2      of five runs also      phi = phi_0 + a_1 h + a_2 h²,  a_1 a_2 > 0
 
-of which the one with the smallest standard deviation sigma counts. It says that the finest value is off by
-epsilon = phi_1 − phi_0. Three runs do not show whether that is so: where the grid's place makes some per cent, their
-order is chance. So the limit is corrected by a half of it, and the 95 % bar of the limit is
+The one with the smallest standard deviation sigma says that the finest value is off by epsilon = phi_1 − phi_0. Three
+runs do not show whether it is: where the place of the grid makes some per cent, their order is chance. So the limit is
+corrected by a half of epsilon, and its 95 % bar is
 
-    U = epsilon + sigma + |phi_1 − fit_1| + SCATTER (the range of the values)
+    U = 3/4 epsilon + 2 (sigma + |phi_1 − fit_1|) + 1/2 max_i |phi_i − phi_1| / ((h_i/h_1)² − 1)
 
-with the statistical errors of the values, as they reach the limit, added in squares. Where four runs follow the
-expansion (sigma < CLEAR of the range), the whole epsilon is corrected, and U has a half of it; where they do not, the
-coarsest one is left out. Two runs are corrected by a half of the mean error of orders 1 and 2, and U is that error.
-`studies/coverage.py` shows what these bars hold.
+The last term, over all runs, is the error if the method has its largest order, and guards against values that agree by
+chance. Where five runs follow the expansion, the whole epsilon is corrected, and U is a half of it. Two runs are
+corrected by a half of the mean error of orders 1 and 2, and U is that error. Statistical errors of the values, as they
+reach the limit, are added in squares. `studies/coverage.py` shows what these bars hold.
 """
 
 import math
@@ -31,8 +32,9 @@ from nervure.simulation.verified import Share, is_part
 ORDERS = (1.0, 2.0)  # Of the method: first at bodies, second elsewhere
 WEIGHT = 3.0  # Exponent of the weights
 HALF = 0.5  # Part of an estimated error that is corrected
-SCATTER = 0.15
-CLEAR = 0.02
+FACTORS = 0.75, 2.0, 0.5  # Of the three terms of U
+FITTED, MANY = 3, 5  # Finest runs that are fitted, and runs that may all be
+CLEAR = 0.01  # Largest sigma of many runs, relative to the range of their values
 COVERED = 0.975  # Quantile of a two-sided bar of 95 %
 SEARCHED = (0.1, 6.0)  # Observed orders
 PARTS = 3  # Of the window of a signal without periods
@@ -88,21 +90,31 @@ def _estimate(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms,
         middle = sum(ORDERS) / 2
         statistical = HALF * float(np.linalg.norm(noise)) / (h[1] ** middle - 1)
         return _terms([coefficient], [middle], HALF), math.hypot(coefficient, statistical), None, "two runs"
-    fits = [_fit(h, phi, (_order(h, phi, ORDERS),)), *([_fit(h, phi, ORDERS)] if phi.size > 3 else [])]
+    steps, reach = np.diff(phi), h[1:] ** ORDERS[1] - 1
+    kind = "converging" if np.all(steps > 0) or np.all(steps < 0) else "oscillating"
+    observed = _order(h, phi, SEARCHED) if kind == "converging" else None
+    if (clear := _clear(h, phi)) is not None:
+        bar = math.hypot(HALF * clear.error, float(np.linalg.norm(clear.carried * noise)))
+        return _terms(clear.coefficients, clear.exponents, 1.0), bar, observed, kind
+    near, values = h[:FITTED], phi[:FITTED]
+    best = _fit(near, values, (_order(near, values, ORDERS),))
+    missed = best.sigma + abs(float(phi[0]) - best.limit - best.error)
+    agreed = float(np.max(np.abs(phi[1:] - phi[0]) / reach))
+    numerical = float(np.dot(FACTORS, (abs(best.error), missed, agreed)))
+    to_limit = HALF * best.carried
+    to_limit[0] += 1 - HALF
+    statistical = float(np.linalg.norm(to_limit * noise[:FITTED]))
+    return _terms(best.coefficients, best.exponents, HALF), math.hypot(numerical, statistical), observed, kind
+
+
+def _clear(h: np.ndarray, phi: np.ndarray) -> _Fit | None:
+    """Return the expansion that many runs follow; None where there is none."""
+    if phi.size < MANY:
+        return None
+    mixed = _fit(h, phi, ORDERS)
+    fits = [_fit(h, phi, (_order(h, phi, ORDERS),)), *([mixed] if np.prod(mixed.coefficients) > 0 else [])]
     best = min(fits, key=lambda fit: fit.sigma)
-    clear = phi.size > 3 and best.sigma < CLEAR * extent
-    if phi.size > 3 and not clear:
-        return _estimate(h[:-1], phi[:-1], noise[:-1])
-    steps = np.diff(phi)
-    monotone = bool(np.all(steps > 0) or np.all(steps < 0))
-    corrected = 1.0 if clear else HALF
-    missed = abs(float(phi[0]) - best.limit - best.error)
-    numerical = (1.5 - corrected) * abs(best.error) + best.sigma + missed + SCATTER * extent * (not clear)
-    to_limit = corrected * best.carried
-    to_limit[0] += 1 - corrected
-    bar = math.hypot(numerical, float(np.linalg.norm(to_limit * noise)))
-    terms = _terms(best.coefficients, best.exponents, corrected)
-    return terms, bar, _order(h, phi, SEARCHED) if monotone else None, "converging" if monotone else "oscillating"
+    return best if best.sigma < CLEAR * float(np.ptp(phi)) else None
 
 
 def _terms(coefficients: Sequence[float], exponents: Sequence[float], corrected: float) -> Terms:

@@ -20,7 +20,6 @@ from nervure.simulation.verified import free_axes, is_part, sizes, triangles_alo
 ROOT2 = math.sqrt(2)
 LEVELS = (2 * ROOT2, 2.0, ROOT2)  # Sizes of the first parameter, relative to the scene, from the coarsest and cheapest
 HALVES, MANY = (8.0, 4.0, 2.0), 64  # The same from so many segments on, for a scene without a fluid
-BASE = 1  # Index of the level beside which the other parameters vary
 STRETCH = 0.25  # Part of the cells of an axis that a larger box has more at each end
 NEAR = 0.15  # Largest relative distance of a number of cells from the wanted one
 SMALL = (2, 3, 5, 7)  # Prime factors that are preferred
@@ -95,21 +94,21 @@ class Plan:
 
     def first_settings(self, top: float = 1.0) -> Iterator[Setting]:
         """Yield coarse settings of the first parameter, the finest `top` times as fine as those for the scene itself,
-        and of the others on one of them. The step waits: it follows the cells, and only shows what part it has."""
+        and of the others on the coarsest. The step waits: it follows the cells, and only shows what part it has."""
         known: list[Factors] = []
-        for number, level in enumerate(self.levels):
+        for level in self.levels:
             try:
                 found = self.setting({self.first.name: top * level})
             except SceneError as error:
-                if number >= BASE:
+                if level is not self.levels[0]:
                     self.left_out[f"{self.first.name} x {top * level:.3g}"] = str(error)
                 continue
-            if found.sizes in known:
-                continue
-            known.append(found.sizes)
-            yield found
-            if number == BASE or (number > BASE and len(known) == 1):
-                yield from self.beside(found, [one for one in self.others if not is_part(one.name, self.sizes)])
+            if found.sizes not in known:
+                yield found
+                if not known:
+                    others = [one for one in self.others if not is_part(one.name, self.sizes)]
+                    yield from self.beside(found, others)
+                known.append(found.sizes)
 
     def beside(self, base: Setting, others: Iterable[Parameter]) -> Iterator[Setting]:
         """Yield the settings in which one of `others` differs from `base`."""

@@ -19,7 +19,7 @@ from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
 from nervure.verification.estimate import HALF, combine, estimate, noise_of
-from nervure.verification.plan import BASE, ROOT2, Factors, Parameter, Plan, Setting
+from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
 QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
 TRIAL = 0.25  # Largest part of the budget that the first run may take
@@ -299,7 +299,8 @@ class _Verification:
         else the coarsest one, whose values are `ALIKE` those of the finest run; None before any run."""
         if not (sequence := self._sequence()):
             return None
-        alike = [one for one in reversed(sequence) if self._is_alike(one, sequence[0])]
+        coarse = [one for one in reversed(sequence) if one.sizes[self.plan.first.name] >= 1.0] or sequence[:1]
+        alike = [one for one in coarse if self._is_alike(one, sequence[0])] or coarse
         beside = [{**one.factors} for one in self.settings.values() if len(one.factors) > 1]
         first = self.plan.first.name
         used = [one for one in alike if any(other.get(first) == one.factors.get(first) for other in beside)]
@@ -330,7 +331,7 @@ class _Verification:
         bars that are too wide."""
         base = self._base()
         alone = [one for one in self.plan.others if len(self._beside(one)) < 2 and one.name not in self.plan.left_out]
-        if base and base.factors.get(self.plan.first.name, 1.0) < self.plan.levels[BASE]:
+        if base and base.factors.get(self.plan.first.name, 1.0) < self.plan.levels[1]:
             alone = [one for one in alone if not is_part(one.name, self.plan.sizes)]  # Too expensive there
         wanted = list(self.plan.beside(base, alone)) if base else []
         wide = [one for one in found.values() if one.uncertainty > self.within * one.scale]
@@ -449,8 +450,8 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
             regular = wanted or quantity.state in ("periodic", "drifting")
             found += [f"{name}_amplitude", *([f"{name}_frequency_hz"] if regular else [])]
     for name in wanted:
-        if name in row and isinstance(row[name], int | float) and name not in found:
-            found.append(name)
+        if name in row and name not in found:
+            found += [name] if isinstance(row[name], int | float) else []
         elif name not in summary.quantities and name not in found:
             numbers = [key for key, value in row.items() if isinstance(value, float)]
             raise InputError(
