@@ -82,8 +82,8 @@ def _estimate(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms,
     and how the values behave."""
     if phi.size == 1:
         return [], math.inf, None, "one run"
-    extent = float(np.ptp(phi))
-    if extent <= float(np.hypot(noise.min(), noise.max())):
+    extent, scatter = float(np.ptp(phi[:FITTED])), noise[:FITTED]
+    if extent <= math.hypot(scatter.min(), scatter.max()):
         return [], float(extent + noise[0]), None, "noise"
     if phi.size == 2:
         coefficient = float(np.mean([(phi[1] - phi[0]) / (h[1] ** order - 1) for order in ORDERS]))
@@ -158,8 +158,9 @@ def statistical_error(time: np.ndarray, values: np.ndarray, window: Window, what
 
 
 def _of_mean(batches: np.ndarray) -> float:
-    """Return the 95 % error of the mean of `batches` by Student's distribution."""
-    quantile = require("scipy.stats", "a verification").t.ppf(COVERED, batches.size - 1)
+    """Return the 95 % error of the mean of `batches` by Student's distribution; of two, whose scatter says nothing, as
+    of three."""
+    quantile = require("scipy.stats", "a verification").t.ppf(COVERED, max(2, batches.size - 1))
     return float(quantile * batches.std(ddof=1) / math.sqrt(batches.size))
 
 

@@ -18,7 +18,8 @@ from nervure.verification.process import Outcome
 RECOMMENDED, PICTURE = "recommended.json", "verify.png"
 SUFFIX = "-verified"  # Of the name of the recommended scene
 LONGEST_NAME = 100  # Characters
-WIDTH = 110  # Characters of a line where the output is no terminal
+NOTHING = 1e-4  # Smallest part that is shown
+WIDTH = 130  # Characters of a line where the output is no terminal
 DRAWN = 7  # Quantities in the picture
 
 
@@ -113,8 +114,14 @@ def _share(quantity: Quantity, share: Share | None) -> str:
     if share is None:
         return "–"
     if not share.terms:
-        return f"±{100 * share.uncertainty / quantity.scale:.2g}"
-    return f"{100 * share.error(1.0) / quantity.scale:+.2g}"
+        return f"±{_digits(share.uncertainty / quantity.scale)}"
+    error = share.error(1.0) / quantity.scale
+    return ("-" if error < 0 else "+") + _digits(abs(error))
+
+
+def _digits(part: float) -> str:
+    """Return a part in per cent with two digits; what is below a hundredth of a per cent counts as nothing."""
+    return f"{100 * part:.2g}" if part >= NOTHING else "0"
 
 
 def _percent(part: float) -> str:
