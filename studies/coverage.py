@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator
 from math import pi, radians
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from nervure.errors import InputError
@@ -22,12 +23,13 @@ from nervure.scene.facts import Facts
 from nervure.simulation import sweep
 from nervure.verification.estimate import combine, estimate
 from nervure.verification.process import Outcome, verify
-from studies import elastica, simulate
+from studies import elastica, show, simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.store import Data
 
 SEED = 2014
 WITHIN, BUDGET = 0.02, 20.0  # Tolerance and wall time, s, of each verification
+HALVES = ("held out", "tuned on")
 IN_SAME_BOX = ("cells", "segments", "step", "c_eta")
 COARSER = 0.69  # Smallest relative size of the runs beside a truth of a quarter of the size
 FINER = {2: 4.0, 3: 2 * 2**0.5, 0: 8.0}  # Of the truth by dimensions of the fluid; 0: without one
@@ -186,7 +188,7 @@ def cases() -> Iterator[Case]:
     for name, (scene, changes, names, exact) in listed():
         with_fluid = "fluid" in simulate.shipped(scene)
         sources = ROD if not with_fluid else COUPLED if "rod" in simulate.shipped(scene) else FLUID
-        about = {"exact": exact, "half": "held out" if name in hidden else "tuned on"}
+        about = {"exact": exact, "half": HALVES[name not in hidden]}
         options = {"names": names}
         yield Case(f"{about['half']}/{name}", (*sources, "verification"), scene, changes, options, measured, about)
 
@@ -277,8 +279,65 @@ def prior_rows(data: Data) -> Iterator[dict[str, Any]]:
             yield {"case": name, "kind": like.kind} | numbers | {key: largest.get(key, "") for key in prior.QUANTITIES}
 
 
+def known(data: Data, half: str) -> list[Bar]:
+    """Return the bars of a half of the cases, with errors relative to the truth."""
+    found = []
+    for record in data.of(f"coverage/{half}/*"):
+        for row in record.tables.get("bars", []):
+            truth = abs(row["truth"])
+            errors = {key: abs(row[of] - row["truth"]) / truth for key, of in (("error", "value"), ("off", "limit"))}
+            found.append({**row, **errors, "bar": row["bar"] / truth, "case": record.name.split("/")[2]})
+    return found
+
+
+def summary(data: Data) -> list[str]:
+    """Return the table of both halves of the cases."""
+    rows = []
+    for half in HALVES:
+        found, costs = known(data, half), [record.get("cost") for record in data.of(f"coverage/{half}/*")]
+        if found:
+            held = sum(one["off"] <= one["bar"] for one in found)
+            bar, error = (median(one[key] for one in found) for key in ("bar", "error"))
+            cost = median(cost for cost in costs if cost)
+            shares = (
+                f"{held} of {len(found)}, {held / len(found):.0%}",
+                f"{bar:.1%}",
+                f"{error:.1%}",
+                f"{bar / error:.1f}",
+            )
+            rows.append([half, str(len(costs)), *shares, f"{cost:.1f}"])
+    headings = ("cases", "number", "pairs of case and quantity held", "median ±", "median error of the finest run")
+    return show.markdown((*headings, "± by error", "cost by that of the recommended run"), rows)
+
+
+def missed(data: Data) -> list[str]:
+    """Return the bars that do not hold the truth, as a list."""
+    return [
+        f"- {one['case']} ({half}): {one['quantity']} off by {100 * one['off']:.2g} %, ± {100 * one['bar']:.2g} %"
+        for half in HALVES
+        for one in known(data, half)
+        if one["off"] > one["bar"]
+    ]
+
+
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    """Write the prior, and draw the bars over the true errors."""
     write_csv(prior.FILE, list(prior_rows(data)))
+    figure, axes = show.panel(size=(6.4, 4.8))
+    axis = axes[0, 0]
+    for half, colour in zip(HALVES, show.COLOURS):
+        for held, marker in ((True, "o"), (False, "x")):
+            points = [(one["off"], one["bar"]) for one in known(data, half) if (one["off"] <= one["bar"]) == held]
+            label = f"{half}, {'held' if held else 'missed'}"
+            axis.plot(*zip(*points), marker, color=colour, markersize=4, label=label) if points else None
+    ends = (1e-5, 1.0)
+    axis.plot(ends, ends, color="0.5", linewidth=0.8)
+    axis.set(
+        xscale="log", yscale="log", xlabel="distance of the limit from the truth, relative", ylabel="± 95 %, relative"
+    )
+    axis.set(xlim=ends, ylim=(1e-4, 10.0))
+    axis.legend(fontsize="small")
+    show.save(figure, "pictures/coverage")
 
 
-STUDY = Study("coverage", cases, extract, draw=draw)
+STUDY = Study("coverage", cases, extract, {"coverage": summary, "coverage-missed": missed}, draw)

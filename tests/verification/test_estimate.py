@@ -86,7 +86,7 @@ def test_parameters_add_up_and_steps_in_proportion_count_once():
     own = [shares[name].uncertainty for name in shares]
     print(limit, again, bar, np.hypot(*own))
     assert (limit, bar) == (again, same) and bar == pytest.approx(np.hypot(*own))
-    assert limit == pytest.approx(1.1 - sum(one.error(1.0) for one in shares.values()))
+    assert limit == pytest.approx(1.1 - shares["cells"].error(1.0))
 
 
 def test_the_error_of_a_mean_is_that_of_its_periods():

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from nervure.evaluate import benchmark
@@ -42,8 +43,13 @@ class Share:
     noise: list[float]  # Statistical error of each, 95 %
 
     def error(self, size: float) -> float:
-        """Return the error at a relative size."""
-        return math.fsum(coefficient * size**exponent for coefficient, exponent in self.terms)
+        """Return the error at a relative size: between those of the runs as they had it, of smaller ones as the terms
+        say, of larger ones at least that of the coarsest run."""
+        finest = self.sizes[0]
+        if size <= finest:
+            return math.fsum(coefficient * size**exponent for coefficient, exponent in self.terms)
+        seen = np.array(self.values) - self.values[0] + self.error(finest)
+        return float(np.interp(math.log(size), np.log(self.sizes), seen))
 
 
 def is_part(name: str, parameters: Container[str]) -> bool:
@@ -63,15 +69,17 @@ class Quantity:
     shares: dict[str, Share]  # By parameter, the first of which has the steps too
 
     def error(self, sizes: Mapping[str, float]) -> float:
-        """Return the largest error at relative `sizes`, by its estimate and the uncertainty of the limit."""
-        total, beside = 0.0, 0.0
-        for name, share in self.shares.items():
+        """Return the largest error at relative `sizes`: that by the first parameter, and the bars. Those of the others
+        bound their errors at the size 1, and change with it at the least or the largest order."""
+        (first, main), *others = self.shares.items()
+        beside, bars = 0.0, [main.uncertainty]
+        for name, share in others:
             size = sizes.get(name, 1.0)
             if is_part(name, self.shares):
-                beside = abs(share.error(size / sizes.get("cells", 1.0)) - share.error(1.0))
+                beside = abs(share.error(size / sizes.get(first, 1.0)) - share.error(1.0))
             else:
-                total += share.error(size)
-        return abs(total) + beside + self.uncertainty
+                bars.append(share.uncertainty * (size if size < 1 else size**2))
+        return abs(main.error(sizes.get(first, 1.0))) + beside + math.hypot(*bars)
 
 
 @dataclass(frozen=True)

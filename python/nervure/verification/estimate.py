@@ -51,11 +51,11 @@ def estimate(sizes: Sequence[float], values: Sequence[float], noise: Sequence[fl
 
 def combine(shares: Mapping[str, Share]) -> tuple[float, float, float]:
     """Return the value of the finest run of the first parameter, its limit as the sizes of all parameters vanish, and
-    the 95 % bar of the limit. The others were varied beside the scene's own size, 1."""
+    its 95 % bar. The other parameters were varied on coarse runs: their errors widen the bar, and correct nothing."""
     first = next(iter(shares.values()))
-    counted = {name: share for name, share in shares.items() if not is_part(name, shares)}
-    error = sum(share.error(first.sizes[0] if share is first else 1.0) for share in counted.values())
-    return first.values[0], first.values[0] - error, math.hypot(*(share.uncertainty for share in counted.values()))
+    counted = [share for name, share in shares.items() if not is_part(name, shares)]
+    limit = first.values[0] - first.error(first.sizes[0])
+    return first.values[0], limit, math.hypot(*(share.uncertainty for share in counted))
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _estimate(h: np.ndarray, phi: np.ndarray, noise: np.ndarray) -> tuple[Terms,
         statistical = HALF * float(np.linalg.norm(noise)) / (h[1] ** middle - 1)
         return _terms([coefficient], [middle], HALF), math.hypot(coefficient, statistical), None, "two runs"
     steps, reach = np.diff(phi), h[1:] ** ORDERS[1] - 1
-    kind = "converging" if np.all(steps > 0) or np.all(steps < 0) else "oscillating"
+    kind = "converging" if abs(np.sign(steps[: FITTED - 1]).sum()) == FITTED - 1 else "oscillating"
     observed = _order(h, phi, SEARCHED) if kind == "converging" else None
     if (clear := _clear(h, phi)) is not None:
         bar = math.hypot(HALF * clear.error, float(np.linalg.norm(clear.carried * noise)))

@@ -18,7 +18,7 @@ from nervure.simulation.summary import Summary, is_force
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
-from nervure.verification.estimate import HALF, combine, estimate, noise_of
+from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
 QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
@@ -411,12 +411,9 @@ class _Verification:
 
 
 def _beyond(found: dict[str, Quantity], parameter: str, within: float) -> bool:
-    """Return whether the error by a parameter is larger than its part of the tolerance, and than its own bar."""
-    return any(
-        abs(share.error(1.0)) > max(SHARED * within * one.scale, HALF * share.uncertainty)
-        for one in found.values()
-        if (share := one.shares.get(parameter))
-    )
+    """Return whether the bar by a parameter is wider than its part of the tolerance."""
+    shares = [(one, share) for one in found.values() if (share := one.shares.get(parameter))]
+    return any(share.uncertainty > SHARED * within * one.scale for one, share in shares)
 
 
 def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) -> float:
@@ -424,7 +421,7 @@ def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) 
     share = quantity.shares[first]
     order = min((exponent for _, exponent in share.terms if exponent), default=1.0)
     shrunk: float = min(1.0, (relative[first] / finest) ** order)
-    return quantity.error(relative) - quantity.uncertainty * (1 - shrunk)
+    return quantity.error(relative) - share.uncertainty * (1 - shrunk)
 
 
 def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
