@@ -404,6 +404,8 @@ class _Verification:
                 error = max(_expected(one, setting.sizes, finest, first) / one.scale for one in found.values())
                 front.append((self.costs.of(setting.work), error, setting.scene))
             size /= FINER
+        for i in reversed(range(len(front) - 1)):  # A coarser setting that is better is so by chance
+            front[i] = (front[i][0], max(front[i][1], front[i + 1][1]), front[i][2])
         within = [one for one in front if one[1] <= self.within]
         allowed = [one for one in front if one[0] <= self.budget]
         best = within[0] if within else min(allowed, key=lambda one: one[1], default=None)
