@@ -22,7 +22,7 @@ from nervure.scene import document, validate
 from nervure.scene.facts import Facts
 from nervure.simulation import sweep
 from nervure.verification.estimate import combine, estimate
-from nervure.verification.process import Outcome, verify
+from nervure.verification.process import Outcome, Verification
 from studies import elastica, show, simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.store import Data
@@ -198,7 +198,7 @@ def measured(case: Case, folder: Path) -> dict[str, Any]:
     scene = validate(case.built())
     names, exact = list(case.options["names"]), dict(case.about["exact"])
     parameters = () if exact and scene.fluid else IN_SAME_BOX
-    found = verify(scene, folder / "runs", WITHIN, BUDGET, names, parameters, workers=1, force=True)
+    found = Verification(scene, folder / "runs", WITHIN, BUDGET, names, parameters, workers=1, force=True).run()
     if found.verified is None:
         raise InputError("; ".join(found.problems))
     if "elastica" in exact:

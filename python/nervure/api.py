@@ -422,7 +422,7 @@ def verify(
     are not repeated. The returned `verified` has the quantities with their bars, `recommended` is the scene with the
     cheapest setting within the tolerance.
 
-    >>> scene = nervure.load("csm1").copy({"time.end": 1.0, "beam.segments": 8})
+    >>> scene = nervure.load("csm1").copy({"beam.segments": 8})
     >>> found = nervure.verify(scene, folder / "verify", quantities=["tip_uy"], budget=30, workers=1, quiet=True)
     >>> found.reached
     True
@@ -442,9 +442,8 @@ def verify(
     console = shown.text_console(quiet)
     if likely := prior.expected(Facts(given)):
         console.print(likely, markup=False, soft_wrap=True)
-    outcome = process.verify(
-        given, folder, float(within), float(budget), quantities, parameters, workers, scheduler, force, console
-    )
+    options = quantities, parameters, workers, scheduler, force, console
+    outcome = process.Verification(given, folder, float(within), float(budget), *options).run()
     report.print_outcome(console, outcome, folder, report.write(outcome, folder))
     return outcome
 

@@ -6,7 +6,7 @@ changes once, on a coarse setting of the first.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -64,11 +64,11 @@ class Setting:
 class Plan:
     """The parameters of a scene and its settings. `left_out` says why a parameter is not varied."""
 
-    def __init__(self, scene: Scene, only: list[str] | None = None):
+    def __init__(self, scene: Scene, only: Sequence[str] = ()):
         self.scene, self.sizes = scene, sizes(scene)
         self.left_out: dict[str, str] = {}
         known = [one.name for one in PARAMETERS]
-        if wrong := [name for name in only or () if name not in known]:
+        if wrong := [name for name in only if name not in known]:
             raise InputError(f"the parameter `{wrong[0]}` is unknown: there are {', '.join(known)}")
         self.parameters = [one for one in PARAMETERS if one.name in self.sizes and (not only or one.name in only)]
         if "cells" in self.sizes:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from time import time
 
@@ -74,42 +75,24 @@ class Outcome:
         return self.verified is not None and self.verified.reached
 
 
-def verify(
-    scene: Scene,
-    folder: Path,
-    within: float,
-    budget: float,
-    quantities: Sequence[str] = (),
-    parameters: Sequence[str] = (),
-    workers: int | None = None,
-    scheduler: str | None = None,
-    force: bool = False,
-    console: Console | None = None,
-) -> Outcome:
-    """Find the errors of `scene` by runs into `folder` until all bars are `within` a part of the values, or for at most
-    `budget` (s) of wall time."""
-    own = _Verification(scene, folder, within, budget, quantities, parameters, workers, scheduler, force, console)
-    return own.run()
+@dataclass
+class Verification:
+    """Finds the errors of a scene by runs into a folder until all bars are narrow enough, or for a time."""
 
+    scene: Scene
+    folder: Path
+    within: float
+    budget: float  # Wall time, s
+    quantities: Sequence[str] = ()
+    parameters: Sequence[str] = ()
+    workers: int | None = None
+    scheduler: str | None = None
+    force: bool = False
+    console: Console = field(default_factory=partial(shown.text_console, quiet=True))
 
-class _Verification:
-    def __init__(
-        self,
-        scene: Scene,
-        folder: Path,
-        within: float,
-        budget: float,
-        quantities: Sequence[str],
-        parameters: Sequence[str],
-        workers: int | None,
-        scheduler: str | None,
-        force: bool,
-        console: Console | None,
-    ):
-        self.begin, self.scene, self.folder, self.within, self.budget = time(), scene, folder, within, budget
-        self.wanted, self.workers, self.scheduler, self.force = list(quantities), workers, scheduler, force
-        self.console = console or shown.text_console(quiet=True)
-        self.plan, self.costs = Plan(scene, list(parameters)), Costs()
+    def __post_init__(self) -> None:
+        self.begin = time()
+        self.plan, self.costs = Plan(self.scene, self.parameters), Costs()
         self.settings: dict[str, Setting] = {}
         self.rows: dict[str, Row] = {}
         self.noise: dict[tuple[str, str], float] = {}  # By folder and column
@@ -128,6 +111,7 @@ class _Verification:
         self.console.print(line, markup=False, soft_wrap=True)
 
     def run(self) -> Outcome:
+        """Make the runs, the cheap ones first, and return what they show."""
         todo = self._first_round()
         for _ in range(ROUNDS):
             self._make(todo)
@@ -167,7 +151,6 @@ class _Verification:
                 )
         if top > 1.0:
             self._announce(settings)
-        self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         return sorted(settings, key=lambda one: one.work)
 
     def _announce(self, settings: Sequence[Setting]) -> None:
@@ -241,14 +224,14 @@ class _Verification:
         if not (sequence := self._sequence()):
             return
         finest = results.read(self.folder / sequence[0].name).summary
-        self.names = chosen(finest, self.rows[sequence[0].name], self.wanted)
+        self.names = chosen(finest, self.rows[sequence[0].name], self.quantities)
         self.units = {name: unit_of(name, finest) for name in self.names}
         for folder in self._finished():
-            if (folder, self.names[0]) not in self.noise:
+            if missing := [name for name in self.names if (folder, name) not in self.noise]:
                 made = results.read(self.folder / folder)
                 window = made.summary.window
                 width = statistics.force_filter_width(window) if window else 0.0
-                for name in self.names:
+                for name in missing:
                     self.noise[folder, name] = noise_of(name, made.series, window, width)
 
     def _share(self, name: str, settings: Sequence[Setting], parameter: str) -> Share | None:
@@ -301,9 +284,9 @@ class _Verification:
             return None
         coarse = [one for one in reversed(sequence) if one.sizes[self.plan.first.name] >= 1.0] or sequence[:1]
         alike = [one for one in coarse if self._is_alike(one, sequence[0])] or coarse
-        beside = [{**one.factors} for one in self.settings.values() if len(one.factors) > 1]
         first = self.plan.first.name
-        used = [one for one in alike if any(other.get(first) == one.factors.get(first) for other in beside)]
+        beside = [one.factors.get(first) for one in self.settings.values() if len(one.factors) > 1]
+        used = [one for one in alike if one.factors.get(first) in beside]
         return (used or alike)[0]
 
     def _is_alike(self, setting: Setting, finest: Setting) -> bool:
@@ -363,9 +346,11 @@ class _Verification:
     def _outcome(self) -> Outcome:
         found, rows = self._found(), self._finished()
         runs = [(self.settings[name], row) for name, row in self.rows.items()]
+        self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         self.problems += [f"the budget ended: {why}" for why in self.refused.values()]
         if not found:
-            self.problems.append("fewer than two runs of the first parameter gave values: nothing is known of errors")
+            what = "fewer than two runs gave values" if self.names else "the outputs that are wanted are rounding"
+            self.problems.append(f"nothing is known of errors: {what}")
             return Outcome(None, self.plan, runs, None, [], self.problems)
         recommended, front = self._recommend(found)
         verified = Verified(
@@ -391,7 +376,7 @@ class _Verification:
         """Return the cheapest setting whose errors are within the tolerance, or else the best one that a run of the
         length of the budget can have, with its error and wall time, s; and the front of error over time."""
         others = {
-            parameter.name: parameter.outward
+            parameter.name: max(parameter.outward, parameter.other if parameter.other < 1 else 0.0)
             for parameter in self.plan.others
             if not is_part(parameter.name, self.plan.sizes) and _beyond(found, parameter.name, self.within)
         }
@@ -456,10 +441,6 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
             raise InputError(
                 f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
             )
-    if not found:
-        raise InputError(
-            f"{summary.scene} has no quantity to verify: its outputs are rounding, or it has no fluid or rod"
-        )
     return found
 
 
