@@ -71,7 +71,7 @@ def test_the_bar_holds_the_limit_of_scattered_values_in_nine_of_ten_draws():
     random, held, widths = np.random.default_rng(1), 0, []
     for _ in range(300):
         order, size = random.uniform(0.9, 2.1), random.uniform(-0.2, 0.2)
-        values = [1.0 + size * h**order + 0.04 * abs(size) * random.standard_normal() for h in SIZES]
+        values = [1.0 + size * h**order + 0.03 * abs(size) * random.standard_normal() for h in SIZES]
         value, limit, bar = combine({"cells": share(values)})
         held += abs(limit - 1.0) <= bar
         widths.append(bar / abs(value - 1.0))

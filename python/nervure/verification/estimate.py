@@ -9,7 +9,7 @@ The one with the smallest standard deviation sigma says that the finest value is
 runs do not show whether it is: where the place of the grid makes some per cent, their order is chance. So the limit is
 corrected by a half of epsilon, and its 95 % bar is
 
-    U = 3/4 epsilon + 2 (sigma + |phi_1 − fit_1|) + 1/2 max_i |phi_i − phi_1| / ((h_i/h_1)² − 1)
+    U = 3/4 epsilon + sigma + |phi_1 − fit_1| + 1/2 max_i |phi_i − phi_1| / ((h_i/h_1)² − 1)
 
 The last term, over all runs, is the error if the method has its largest order, and guards against values that agree by
 chance. Where five runs follow the expansion, the whole epsilon is corrected, and U is a half of it. Two runs are
@@ -32,7 +32,7 @@ from nervure.simulation.verified import Share, is_part
 ORDERS = (1.0, 2.0)  # Of the method: first at bodies, second elsewhere
 WEIGHT = 3.0  # Exponent of the weights
 HALF = 0.5  # Part of an estimated error that is corrected
-FACTORS = 0.75, 2.0, 0.5  # Of the three terms of U
+FACTORS = 0.75, 1.0, 0.5  # Of the three terms of U
 FITTED, MANY = 3, 5  # Finest runs that are fitted, and runs that may all be
 CLEAR = 0.01  # Largest sigma of many runs, relative to the range of their values
 COVERED = 0.975  # Quantile of a two-sided bar of 95 %
