@@ -1,8 +1,8 @@
 """Coverage of the error bars of `nervure verify`: whether they hold values that are known better, and their widths.
 
 Each case is a scene on coarse settings. Its truth is an exact solution, a published value, or a run on `FINER` times
-the cells, segments and steps, with c_eta to match, in the same box. Half of the cases, drawn by `SEED` before the
-estimator was tuned, were not looked at meanwhile.
+the cells, segments and steps, with c_eta to match, in the same box. Half of the cases, drawn by `SEED` before any was
+run, are held out: terms and factors of the bars are chosen by the other half alone.
 """
 
 from __future__ import annotations

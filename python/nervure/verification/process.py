@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from time import time
 
@@ -188,7 +189,7 @@ class Verification:
         cases = {name: self._case(setting) for name, setting in self.settings.items()}
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
         expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
-        quick = self.scheduler is None and (len(missing) == 1 or expected < QUICK)
+        in_turn = len(missing) == 1 or expected < QUICK or (self.workers is None and not find_spec("distributed"))
         with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
             rows = sweep.run(
                 list(cases.values()),
@@ -198,7 +199,7 @@ class Verification:
                 self.force,
                 self._say,
                 count,
-                1 if quick else self.workers,
+                1 if in_turn and self.scheduler is None else self.workers,
                 lambda case: self._allowed(self.settings[case.folder]),
                 self.begin + self.budget,
             )
