@@ -5,22 +5,10 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from studies import (
-    coupling,
-    coverage,
-    driven_bar,
-    flapping,
-    fluid,
-    fsi3,
-    lab,
-    leave_out,
-    reliability,
-    report,
-    rod,
-    running,
-)
+from studies import coupling, driven_bar, flapping, fluid, fsi3, lab, leave_out, reliability, report, rod, running
 
 from studies import scenes, show, slit, space, speed, thin, turek_hron, two_grids, vein, wing  # isort: skip
+from studies import coverage  # isort: skip
 from studies.store import Data
 
 MEASURED = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
