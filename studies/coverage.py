@@ -286,7 +286,7 @@ def known(data: Data, half: str) -> list[Bar]:
         for row in record.tables.get("bars", []):
             truth = abs(row["truth"])
             errors = {key: abs(row[of] - row["truth"]) / truth for key, of in (("error", "value"), ("off", "limit"))}
-            found.append({**row, **errors, "bar": row["bar"] / truth, "case": record.name.split("/")[2]})
+            found.append({**row, **errors, "bar": row["bar"] / truth, "case": record.name.split("/", 2)[2]})
     return found
 
 

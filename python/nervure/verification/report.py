@@ -146,7 +146,13 @@ def _draw(outcome: Outcome, verified: Verified, path: Path) -> Path:
             if row.get(name) is not None
         )
         colour = plots.CYCLE[number % len(plots.CYCLE)]
-        axis.plot(*zip(*points, strict=True), "o", color=colour, markersize=4, label=name.replace("_", " "))
+        axis.plot(
+            *zip(*points, strict=True),
+            "o",
+            color=colour,
+            markersize=4,
+            label=name.removesuffix("_hz").replace("_", " "),
+        )
     if outcome.front:
         wall, error = zip(*sorted(outcome.front), strict=True)
         axis.plot(wall, [100 * part for part in error], color="0.3", linewidth=0.9, label="expected, largest")
