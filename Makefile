@@ -137,7 +137,7 @@ COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --al
 	--no-emit-trusted-host --no-emit-find-links
 
 lock: ## pin the packages of pyproject.toml and requirements/*.in; needs pip-tools
-	$(COMPILE) --build-deps-for wheel --extra run --extra sweep --output-file requirements/run.lock pyproject.toml
+	$(COMPILE) --build-deps-for wheel --extra run --extra sweep --extra verify --output-file requirements/run.lock pyproject.toml
 	$(COMPILE) --build-deps-for wheel --extra dev --output-file requirements/dev.lock pyproject.toml
 	for name in bench coverage masters dist peers site; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 

@@ -8,11 +8,12 @@ from typing import Any
 from studies import coupling, driven_bar, flapping, fluid, fsi3, lab, leave_out, reliability, report, rod, running
 
 from studies import scenes, settling, show, slit, space, speed, thin, turek_hron, two_grids, vein, wing  # isort: skip
+from studies import coverage  # isort: skip
 from studies.store import Data
 
 MEASURED = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
             turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, slit.STUDY, two_grids.STUDY, space.STUDY,
-            settling.STUDY, wing.STUDY)  # fmt: skip
+            settling.STUDY, wing.STUDY, coverage.STUDY)  # fmt: skip
 STUDIES = (*MEASURED, scenes.study(MEASURED), running.STUDY, lab.STUDY, leave_out.STUDY, report.STUDY,
            reliability.STUDY)  # fmt: skip
 

@@ -60,6 +60,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "rod roofline": ("studies/rust/rod/examples/*.rs", "studies/rust/fluid/src/machine.rs"),
     "fluid bench": ("studies/rust/fluid/src/*.rs", "studies/rust/fluid/Cargo.toml"),
     "fluid measures": ("studies/rust/fluid/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
+    "verification": tuple(f"python/nervure/verification/{name}.py" for name in ("estimate", "plan", "process")),
     "keeping": ("python/nervure/simulation/checkpoint.py", "python/nervure/output/fields.py"),
     "command": ("python/nervure/**/*.py",),
     "export": ("crates/fmi-export/src/**/*.rs", "crates/fpenv/src/**/*.rs"),

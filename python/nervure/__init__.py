@@ -15,20 +15,23 @@
     earlier = nervure.read("results/fsi3-325x72")
     nervure.compare(earlier, run)                  # both over each other
     rows = nervure.sweep("csm3", {"beam.segments": [8, 16, 32]})
+    found = nervure.verify("csm3", within=0.01)    # error bars, and the cheapest setting within them
 
 The packages, from below: `scene`; `units` describes, packs and loads the FMUs of a scene; `coupling` makes a step of
-them; `evaluate` has the numbers, `simulation` a run and sweeps of runs, `output` pictures, fields and tables; `api` and
-`cli` are the interfaces.
+them; `evaluate` has the numbers, `simulation` a run and sweeps of runs, `output` pictures, fields and tables,
+`verification` the error bars of a scene; `api` and `cli` are the interfaces.
 """
 
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nervure.api import Run, RunError, compare, inspect, load, read, resume, run, sweep
+    from nervure.api import Run, RunError, compare, inspect, load, read, resume, run, sweep, verify
     from nervure.errors import InputError
     from nervure.scene import Scene
 
-__all__ = ["InputError", "Run", "RunError", "Scene", "compare", "inspect", "load", "read", "resume", "run", "sweep"]
+__all__ = [
+    "InputError", "Run", "RunError", "Scene", "compare", "inspect", "load", "read", "resume", "run", "sweep", "verify",
+]  # fmt: skip
 
 
 def __dir__() -> list[str]:

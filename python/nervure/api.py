@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from nervure.terminal import Console
+    from nervure.verification.process import Outcome
 
-__all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run", "sweep"]
+__all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run", "sweep", "verify"]
 
 OnStep = Callable[[float, dict[str, float]], object]
 SHOWN = 7  # Quantities in the text of a run
@@ -410,6 +411,54 @@ def run_cases(
     picture = tables.plot(folder, rows)
     say(f"table in {folder / 'sweep.csv'}" + (f", picture in {picture}" if picture else ""))
     return rows
+
+
+def verify(
+    scene: Scene | str | Path,
+    output: str | Path | None = None,
+    *,
+    within: float = 0.02,
+    budget: float = 1200.0,
+    quantities: Sequence[str] = (),
+    parameters: Sequence[str] = (),
+    overrides: Iterable[str] = (),
+    workers: int | None = None,
+    scheduler: str | None = None,
+    force: bool = False,
+    quiet: bool = False,
+) -> "Outcome":
+    """Find the errors of a scene by runs on other settings into the folder `output` or results/verify-NAME, until all
+    bars are `within` a part of the values, or for a `budget` of wall time, s.
+
+    `quantities` are outputs, such as `lift`, or columns of the table of runs, such as `lift_mean`; `parameters` are
+    those to vary, by default all that the scene has. The other arguments are those of `sweep`. Runs that are finished
+    are not repeated. The returned `verified` has the quantities with their bars, `recommended` is the scene with the
+    cheapest setting within the tolerance.
+
+    >>> scene = nervure.load("csm1").copy({"beam.segments": 8})
+    >>> found = nervure.verify(scene, folder / "verify", quantities=["tip_uy"], budget=30, workers=1, quiet=True)
+    >>> found.reached
+    True
+
+    Raise `InputError` where an argument cannot be used and `KeyboardInterrupt` where it was interrupted.
+    """
+    from nervure.output import console as shown, prior
+    from nervure.verification import process, report
+
+    for name, value in {"within": within, "budget": budget}.items():
+        if not (isinstance(value, Number) and value > 0):
+            raise InputError(f"{name} is {value!r}, but must be a number above 0")
+    if workers is not None and scheduler is not None:
+        raise InputError("workers are for runs on this machine; those of a scheduler are its own")
+    given = with_files(scene) if isinstance(scene, Scene) else load(scene, overrides)
+    folder = Path(output) if output is not None else Path("results") / f"verify-{given.name}"
+    console = shown.text_console(quiet)
+    if likely := prior.expected(Facts(given)):
+        console.print(likely, markup=False, soft_wrap=True)
+    options = quantities, parameters, workers, scheduler, force, console
+    outcome = process.Verification(given, folder, float(within), float(budget), *options).run()
+    report.print_outcome(console, outcome, folder, report.write(outcome, folder))
+    return outcome
 
 
 def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Variation:

@@ -8,11 +8,12 @@ import ast
 import gc
 import json
 import os
+import re
 import shutil
 import sys
 import textwrap
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -42,6 +43,27 @@ def _numbers(option: str, text: str | None) -> list[float] | None:
         return None if text is None else [float(part) for part in text.split(",")]
     except ValueError:
         raise InputError(f"{option} is {text}, but must be numbers, as 0,1.5,-2") from None
+
+
+SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}  # Of the units of a time
+
+
+def _duration(text: str) -> float:
+    """Return a time as `20min` in s."""
+    found = re.fullmatch(r"\s*([0-9.]+(?:e[-+]?\d+)?)\s*(s|min|h)?\s*", text)
+    with suppress(ValueError):
+        if found and (seconds := float(found[1]) * SECONDS[found[2] or ""]) > 0:
+            return seconds
+    raise typer.BadParameter(f"it is {text}, but must be a time above 0 as 90s, 20min or 1.5h")
+
+
+def _part(text: str) -> float:
+    """Return a part as `2%` or `0.02`."""
+    number = text.strip()
+    with suppress(ValueError):
+        if (part := float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)) > 0:
+            return part
+    raise typer.BadParameter(f"it is {text}, but must be a part above 0 as 2% or 0.02")
 
 
 def _complete_scene(incomplete: str) -> list[tuple[str, str]]:
@@ -314,7 +336,11 @@ def inspect(
     console = Console()
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
         raise InputError(f"--set and --end-time change a scene, but {path} is none")
-    if (path / "sweep.json").is_file():
+    if (path / "verify.json").is_file():
+        from nervure.verification import report
+
+        report.print_table(console, report.read(path))
+    elif (path / "sweep.json").is_file():
         sweeps.print_table(console, sweeps.read(path))
     elif path.is_dir():
         inspection.show_results(console, path)
@@ -452,6 +478,71 @@ def sweep(
         console.print("stopped; the same command continues with the missing runs")
         raise typer.Exit(INTERRUPTED) from None
     if any(row["status"] != sweeps.FINISHED for row in rows):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def verify(
+    scene_file: SceneFile,
+    within: Annotated[
+        float, typer.Option(metavar="PART", parser=_part, help="Tolerance relative to the values, as 2% or 0.02.")
+    ] = "2%",  # type: ignore[assignment]
+    budget: Annotated[
+        float, typer.Option(metavar="TIME", parser=_duration, help="Largest wall time, as 90s, 20min or 2h.")
+    ] = "20min",  # type: ignore[assignment]
+    quantities: Annotated[
+        str | None,
+        typer.Option(metavar="NAME,…", help="Outputs, as lift, or their statistics, as lift_mean; default: the large."),
+    ] = None,
+    parameters: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,…",
+            help="What varies of cells, segments, mesh, step, c_eta, box, ratio, fine_box; default: all that it has.",
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    end_time: EndTime = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the runs; default: results/verify-NAME."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="Runs at a time on this machine; default: one for each core.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the errors of a scene by runs on other settings; write a table, a picture and a recommended scene.
+
+    The same command continues: finished runs are not repeated. The exit status is 1 unless all errors are known within
+    the tolerance.
+    """
+    from nervure import api
+    from nervure.scene import load
+
+    names = [[name.strip() for name in (given or "").split(",") if name.strip()] for given in (quantities, parameters)]
+    scene = load(scene_file, overrides or (), end_time)
+    try:
+        found = api.verify(
+            scene,
+            output,
+            within=within,
+            budget=budget,
+            quantities=names[0],
+            parameters=names[1],
+            workers=workers,
+            scheduler=scheduler,
+            force=force,
+            quiet=quiet,
+        )
+    except KeyboardInterrupt:
+        typer.echo("stopped; the same command continues with the missing runs")
+        raise typer.Exit(INTERRUPTED) from None
+    if not found.reached:
         raise typer.Exit(FAILED)
 
 

@@ -52,7 +52,7 @@ def test_a_run_is_read_as_it_was(falling, tmp_path):
 def test_summary_is_written_with_all_its_keys(falling, tmp_path):
     summary = nervure.run(falling, tmp_path, quiet=True).summary
     written = json.loads((tmp_path / "summary.json").read_text())
-    assert written == summary.document() and [*written, "warnings", "wing", "rods"] == list(vars(summary))
+    assert written == summary.document() and [*written, "warnings", "wing", "rods", "verified"] == list(vars(summary))
     assert written["coefficients"] is None and "reference" not in written["quantities"]["tip_uy"]
     assert written["series"]["tip_uy"] == "m"
 
@@ -175,7 +175,9 @@ def test_the_package_names_its_interface():
 
 
 @pytest.mark.parametrize(
-    "thing", [nervure.load, nervure.run, nervure.read, nervure.sweep, Part.copy], ids=lambda thing: thing.__qualname__
+    "thing",
+    [nervure.load, nervure.run, nervure.read, nervure.sweep, nervure.verify, Part.copy],
+    ids=lambda thing: thing.__qualname__,
 )
 def test_the_examples_of_a_docstring_hold(thing, tmp_path):
     found = doctest.DocTestFinder().find(thing, globs={"nervure": nervure, "folder": tmp_path})

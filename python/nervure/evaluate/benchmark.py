@@ -41,7 +41,7 @@ def changed(scene: Scene, part: Literal["reference", "description"] = "reference
     shipped scene has it."""
     if not (given := scene.document().get(part)):
         return []
-    mine, found = dict(_physics(scene)), list[list[str]]()
+    mine, found = dict(physics(scene)), list[list[str]]()
     for path, document in _shipped().items():
         if document.get(part) == given:
             theirs = _physics_of(path)
@@ -57,7 +57,7 @@ def _shipped() -> dict[Path, Document]:
 
 @cache
 def _physics_of(path: Path) -> dict[str, Any]:
-    return dict(_physics(Scene.model_validate(_shipped()[path])))
+    return dict(physics(Scene.model_validate(_shipped()[path])))
 
 
 def reference(scene: Scene) -> Reference | None:
@@ -71,7 +71,7 @@ def _equal(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-def _physics(scene: Scene) -> Iterator[tuple[str, Any]]:
+def physics(scene: Scene) -> Iterator[tuple[str, Any]]:
     """Yield key and value of all that the final state depends on."""
     for name in PARTS:
         yield from _leaves(name, name, getattr(scene, name))

@@ -5,10 +5,11 @@ The first steps of the run measure the machine: only they have its mix of transf
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import count
 from pathlib import Path
 
+from nervure.errors import UnitError
 from nervure.evaluate import benchmark
 from nervure.scene.facts import Body, Facts
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
@@ -100,8 +101,8 @@ def _warnings(facts: Facts) -> Iterator[str]:
     if scene.fluid is None:
         return
     for axis, cells in zip("xyz", scene.fluid.box.cells, strict=False):
-        if not _is_fast(cells):
-            below, above = (next(filter(_is_fast, count(cells, step))) for step in (-1, 1))
+        if not is_fast(cells):
+            below, above = (next(filter(is_fast, count(cells, step))) for step in (-1, 1))
             cause = f"{cells} cells along {axis} have a prime factor above {FACTORS[-1]}"
             yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
     if numbers is None:
@@ -134,9 +135,9 @@ def _warnings(facts: Facts) -> Iterator[str]:
             yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
 
 
-def _is_fast(cells: int) -> bool:
-    """Return whether a number of cells has only the prime factors `FACTORS`."""
-    for factor in FACTORS:
+def is_fast(cells: int, factors: Sequence[int] = FACTORS) -> bool:
+    """Return whether a number of cells has only the prime `factors`."""
+    for factor in factors:
         while cells % factor == 0:
             cells //= factor
     return cells == 1
@@ -191,6 +192,17 @@ class Pace(Observer):
             return
         made, self.timed = done - self.begin[0], wall - self.begin[1]
         self.total = (self.timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
+
+
+def measured(session: Session, timed: float) -> float:
+    """Return the wall time of a whole run, s, from first steps that take `timed` (s); raise `UnitError` where one of
+    them fails."""
+    pace = Pace(session)
+    session.observers = [pace]
+    status = session.run(stopping=lambda: pace.total is not None and session.wall > timed)
+    if status.error is not None:
+        raise UnitError(status.error)
+    return status.wall if status.completed or pace.total is None else pace.total
 
 
 def cost(wall: float) -> str:

@@ -3,6 +3,7 @@
 import importlib
 import zipfile
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +14,13 @@ from rich.table import Table
 from nervure.coupling import stand_still
 from nervure.errors import InputError, UnitError
 from nervure.library import is_built
-from nervure.output import forecast
+from nervure.output import forecast, prior
 from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
 from nervure.scene.types import FineBox, Fluid
-from nervure.simulation import checkpoint, results
+from nervure.simulation import checkpoint, results, verified
 from nervure.simulation.session import Session
 from nervure.units.describe import unit_kinds
 from nervure.units.fmu import read_description, variables_of, version_of
@@ -104,6 +105,12 @@ def show_scene(console: Console, scene: Scene) -> None:
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
         rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
     rows += forecast.scene_rows(facts)
+    if not (bars := verified.bars(scene, Path("results"))) and (likely := prior.expected(facts)):
+        rows.append(("errors", likely))
+    for name, bar in (bars or {}).items():
+        rows.append(
+            (f"verified {name.replace('_', ' ')}", f"{bar.limit:.4g} {bar.unit}, here off by up to {bar.error:.2g}")
+        )
     if missing := dict.fromkeys(kind for kind in units.values() if not is_built(kind)):
         rows.append(("wall time", f"unknown until `nervure run` builds the library of the {' and the '.join(missing)}"))
     else:
@@ -132,12 +139,7 @@ def _measured(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield scheme, table, memory and wall time of a scene, by name, from its first steps."""
     before = forecast.resident_memory()
     with Session(scene, drive=stand_still) as session:
-        pace = forecast.Pace(session)
-        session.observers = [pace]
-        status = session.run(stopping=lambda: pace.total is not None and session.wall > TIMED)
-        if status.error is not None:
-            raise UnitError(status.error)
-        wall = status.wall if status.completed or pace.total is None else pace.total
+        wall = forecast.measured(session, TIMED)
         resident = forecast.resident_memory()
     recorder = session.recorder
     yield from forecast.scheme_rows(session)
@@ -158,7 +160,8 @@ def show_results(console: Console, folder: Path) -> None:
         if not stopped:
             raise
     else:
-        print_table(console, summary, found.scene)
+        known = summary.verified or verified.bars(found.scene, folder.resolve().parent)
+        print_table(console, replace(summary, verified=known), found.scene)
         if not summary.completed:
             console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
         git = summary.git

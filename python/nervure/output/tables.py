@@ -53,7 +53,8 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
     known |= any(quantity.reference is not None for quantity in summary.quantities.values())
     compared = known and summary.not_compared is None
     shown = ("computed", "reference", "difference") if compared else ("computed",)
-    headings = [Column(heading, justify="right") for heading in shown]
+    bars = summary.verified or {}
+    headings = [Column(heading, justify="right") for heading in (shown[0], *(["± 95 %"] if bars else []), *shown[1:])]
     remarks = {name: _remark(quantity) for name, quantity in summary.quantities.items()}
     noted = any(remarks.values())
     table = Table("quantity", *headings, *([Column("remark")] if noted else []), title=summary.scene)
@@ -66,22 +67,27 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
         scale: float = 1.0,
         amplitude: float | None = None,
         remark: str = "",
+        column: str = "",
     ) -> None:
         cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
-        cells.append(difference(value, expected, amplitude))
-        table.add_row(escape(label), *cells[: len(shown)], *([escape(remark)] if noted else []))
+        cells = [*cells, difference(value, expected, amplitude)][: len(shown)]
+        if bars:
+            cells.insert(1, f"{bars[column].error * scale:.2g}" if column in bars else "")
+        table.add_row(escape(label), *cells, *([escape(remark)] if noted else []))
 
     for name, quantity in summary.quantities.items():
         unit, scale = unit_in(scene, quantity.unit, abs(quantity.mean) + quantity.amplitude)
         published = quantity.reference or Published()
         mean = axis_label(f"{name} mean", unit)
-        row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remark=remarks[name])
-        row(axis_label(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
+        row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remarks[name], f"{name}_mean")
+        amplitude = axis_label(f"{name} amplitude", unit)
+        row(amplitude, quantity.amplitude, published.amplitude, 4, scale, column=f"{name}_amplitude")
         per_time = displayed_unit("1/s", display)[0] if display else "Hz"
-        row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
+        frequency = f"{name} frequency [{per_time}]"
+        row(frequency, quantity.frequency_hz, published.frequency_hz, 4, column=f"{name}_frequency_hz")
     if found := summary.coefficients:
         for name, value in found.values.items():
-            row(name.replace("_", " "), value, found.reference.get(name), 6)
+            row(name.replace("_", " "), value, found.reference.get(name), 6, column=name)
     rods = {f"{name} ": (own.flapping, own.interface) for name, own in (summary.rods or {}).items()}
     rods = rods or {"": (summary.flapping, summary.interface)}
     space = any(name.endswith("tip_uz") or name == "side" for name in summary.quantities)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Self
@@ -13,7 +14,7 @@ from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
-from nervure.simulation import results
+from nervure.simulation import results, verified
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.oscillations import GridOscillationMonitor
@@ -159,6 +160,7 @@ class Session(TimeLoop):
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""
         summary = summarize(self.facts, self.units, self.scheme, self.recorder, self.status(), self.warnings)
+        summary = replace(summary, verified=verified.bars(self.scene, self.folder.parent))
         made = Results(self.facts, self.folder, summary, self.recorder.series, self.recorder.units)
         try:
             results.write(made, self.scheme.logs(), self.stale_files)

@@ -23,6 +23,7 @@ from nervure.scene import Scene
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
 from nervure.simulation.recorder import Recorder
+from nervure.simulation.verified import Bar
 from nervure.units.fmu import Unit
 
 TIP = ("tip_ux", "tip_uy", "tip_uz")
@@ -180,6 +181,7 @@ class Summary:
     warnings: list[str] | None = None  # What may be a mistake, before the run and in it; None without
     wing: OfWing | None = None  # None without a wing, and without a window
     rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
+    verified: dict[str, Bar] | None = None  # By quantity, e.g. `lift_mean`; None where this physics was not verified
 
     @property
     def window(self) -> statistics.Window | None:

@@ -10,6 +10,7 @@ import hashlib
 import itertools
 import json
 import logging
+import math
 import re
 import signal
 import sys
@@ -22,7 +23,7 @@ from functools import cache, partial
 from multiprocessing import resource_tracker
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from time import perf_counter, process_time
+from time import perf_counter, process_time, time
 from types import ModuleType
 from typing import Any
 
@@ -41,6 +42,7 @@ ROW = "row.json"
 Row = dict[str, Any]  # A run in the table of a sweep, by column
 Variation = dict[str, list[Any]]  # Values by dotted key, of which the first ones belong together, and so on
 FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Status; killed: its worker died at every attempt
+STOPPED = "stopped"  # Status of a run that the deadline ended
 CONNECT_S = 5  # Time within which a scheduler must answer, s
 LISTEN_S = 0.2  # Longest time until Ctrl-C is noticed, s
 PROGRESS, REPORT_S = "nervure-progress", 0.5  # Topic of the reports at Dask, and time between two, s
@@ -152,18 +154,27 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
     found = [fault for scene, _ in made for fault in check(text(scene)) if fault.kind == "unknown"]
     if found:  # Other faults are results of the sweep; a key that no scene has is a slip
         raise SceneError("\n".join(dict.fromkeys(fault.text for fault in found)), found)
-    library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
     cases: dict[str, Case] = {}
     folders: set[str] = set()
     for scene, varied in made:
-        digest = hashlib.sha256(text(scene).encode())
-        for kind in dict.fromkeys(unit_kinds(scene).values()):
-            digest.update(library_digest(kind))
-        if digest.hexdigest() not in cases:
+        if (key := key_of(scene)) not in cases:
             name = _folder_name(scene, varied, len(bases) > 1, folders)
             folders.add(name)
-            cases[digest.hexdigest()] = Case(scene, varied, digest.hexdigest(), name)
+            cases[key] = Case(scene, varied, key, name)
     return list(cases.values())
+
+
+def key_of(scene: Document) -> str:
+    """Return a digest of a scene and the libraries of its units."""
+    digest = hashlib.sha256(text(scene).encode())
+    for kind in dict.fromkeys(unit_kinds(scene).values()):
+        digest.update(_library_digest(library(kind), library(kind).stat().st_mtime_ns))
+    return digest.hexdigest()
+
+
+@cache
+def _library_digest(path: Path, _changed: int) -> bytes:
+    return hashlib.sha256(path.read_bytes()).digest()
 
 
 def earlier_row(case: Case, folder: Path) -> Row | None:
@@ -182,30 +193,44 @@ def missing_cases(cases: list[Case], folder: Path, retry_failed: bool) -> list[C
 
 
 class Reporter(Observer):
-    """Reports the steps of the run in the folder `name` to the process of the sweep."""
+    """Reports the steps of a run to `tell`."""
 
-    def __init__(self, name: str):
-        import distributed
-
-        self.name, self.worker, self.due = name, distributed.get_worker(), 0.0
+    def __init__(self, tell: Callable[[int], None]):
+        self.tell, self.due = tell, 0.0
 
     def step(self, loop: TimeLoop) -> None:
         if (wall := loop.wall) >= self.due:
-            self.worker.log_event(PROGRESS, {"folder": self.name, "steps": loop.steps})
+            self.tell(loop.steps)
             self.due = wall + REPORT_S
 
 
-def run_for_sweep(scene: Document, folder: Path) -> Row:
-    """Run a case on a worker and return its row; packing and pictures, which outlast a short run, are left out."""
+def _run_on_worker(scene: Document, folder: Path, deadline: float) -> Row:
+    """Run a case on a worker of Dask, which reports to the process of the sweep, and return its row."""
+    import distributed
+
+    worker = distributed.get_worker()
+
+    def tell(steps: int) -> None:
+        worker.log_event(PROGRESS, {"folder": folder.name, "steps": steps})
+
+    return run_case(scene, folder, deadline, tell)
+
+
+def run_case(
+    scene: Document, folder: Path, deadline: float = math.inf, tell: Callable[[int], None] = lambda _: None
+) -> Row:
+    """Run a case and return its row; packing and pictures, which outlast a short run, are left out."""
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
         with Session(validate(scene), folder) as session:
-            session.observers = [Reporter(folder.name)]
-            session.run()
+            session.observers = [Reporter(tell)]
+            status = session.run(lambda: time() > deadline)
             summary = session.finish().summary
-        if not summary.completed:
+        if status.stopped:
+            row = {"status": STOPPED, "reason": f"at t = {status.simulated:g} s: it took longer than was left for it"}
+        elif not summary.completed:
             row = {"status": FAILED, "reason": summary.error}
         found = _reported(summary)
     except (InputError, OSError) as error:
@@ -233,12 +258,16 @@ def run(
     say: Callable[[str], None] = lambda _: None,
     progress: Progress = lambda _runs, _steps: None,
     workers: int | None = None,
+    admit: Callable[[Case], bool] = lambda _: True,
+    deadline: float = math.inf,
 ) -> list[Row]:
     """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
     rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it. Without a
     `scheduler` the runs are on this machine, at most `workers` at a time, by default as many as it has cores.
 
-    `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done.
+    `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done. A run
+    begins only if `admit` returns True right before, and ends at the `deadline`, seconds since the epoch. One run at a
+    time with a deadline is made in this process.
     """
     rows = {case.folder: earlier_row(case, folder) for case in cases}
     todo = missing_cases(cases, folder, False) if todo is None else todo
@@ -270,8 +299,12 @@ def run(
     try:
         with claimed(folder), undone_on_error(folder) as started:
             _collect(folder, rows)
-            if todo:
-                _distribute(todo, folder, scheduler, workers, reached, keep)
+            if todo and scheduler is None and workers == 1 and deadline < math.inf:
+                for case in filter(admit, todo):
+                    place = (folder / case.folder).resolve()
+                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder)))
+            elif todo:
+                _distribute(todo, folder, scheduler, workers, reached, keep, admit, deadline)
     except OSError as error:
         raise InputError(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
@@ -335,6 +368,8 @@ def _distribute(
     workers: int | None,
     reached: Callable[[str, int], None],
     keep: Callable[[Case, Row], None],
+    admit: Callable[[Case], bool],
+    deadline: float,
 ) -> None:
     """Run `cases` on workers. `keep` is called with each case and its row, `reached` with the steps of the runs under
     way. There are never more runs than workers, so that a run that kills its worker ends no other run. The workers of
@@ -371,14 +406,15 @@ def _distribute(
             if report["folder"] in {case.folder for case in list(running.values())}:
                 reached(report["folder"], report["steps"])
 
-        waiting, running, done = iter(cases), dict[Any, Case](), SimpleQueue[Any]()
+        waiting, running, done = filter(admit, cases), dict[Any, Case](), SimpleQueue[Any]()
         client.subscribe_topic(PROGRESS, hear)
         while True:
             check()
             try:
                 free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
                 for case in itertools.islice(waiting, max(0, free)):
-                    future = client.submit(run_for_sweep, case.scene, (folder / case.folder).resolve(), pure=False)
+                    place = (folder / case.folder).resolve()
+                    future = client.submit(_run_on_worker, case.scene, place, deadline, pure=False)
                     running[future] = case
                     future.add_done_callback(done.put)
                 if not running:

@@ -1,0 +1,163 @@
+"""The command `nervure verify` on small scenes: its plan, its budget, what it keeps, and what later runs say."""
+
+import copy
+import json
+import time
+
+import pytest
+
+import nervure
+from nervure import InputError
+from nervure.scene import validate
+from nervure.simulation import sweep, verified
+from nervure.verification.plan import Plan, scaled
+from studies import elastica
+from tests.conftest import FLUID_ONLY, nervure as tool
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+
+@pytest.fixture
+def bar(rod_only):
+    """A bar that comes to rest under its weight."""
+    scene = copy.deepcopy(rod_only)
+    scene["beam"]["segments"] = 8
+    scene["rod"]["damping"] = 300.0
+    scene["time"] = {"end": 6.0, "communication_step": 0.02}
+    return validate(scene)
+
+
+def quietly(scene, folder, **how):
+    return nervure.verify(scene, folder, workers=1, quiet=True, **{"budget": 60, **how})
+
+
+def test_the_plan_of_a_flag_varies_all_that_it_has_on_coarse_grids():
+    plan = Plan(nervure.load("flag-line-480x240"))
+    settings = {one.name: one for one in plan.first_settings()}
+    assert [one.name for one in plan.parameters] == ["cells", "segments", "step", "c_eta", "box"]
+    assert list(settings)[:2] == ["cells=2.83", "cells=2.83,segments=2"]
+    cost = {name: one.work / plan.setting({}).work for name, one in settings.items()}
+    print(cost)
+    assert sum(cost.values()) <= 0.9 and cost["cells=2"] <= 0.2
+    assert settings["cells=2"].scene.fluid.box.cells == (240, 120)
+    assert settings["cells=2"].scene.time.communication_step == pytest.approx(0.004)
+    step = plan.setting({"cells": 2.0, "step": 0.5})
+    assert step.scene.time.communication_step == pytest.approx(0.002) and step.sizes["cells"] == pytest.approx(2.0)
+    assert settings["cells=2.83,c_eta=2"].scene.fluid.mask.log_linear.c_eta == pytest.approx(4e-4)
+    larger = settings["cells=2.83,box=0.667"].scene.fluid
+    assert larger.box.x == pytest.approx((-2.25, 5.25)) and larger.sponge.x == pytest.approx((4.45, 5.25))
+    assert not plan.left_out
+
+
+def test_walls_and_cylinders_through_the_box_keep_their_box():
+    assert verified.free_axes(nervure.load("cylinder-2d1-450x90")) == [0]
+    assert "box" not in verified.sizes(nervure.load("sphere-oscillating-64x64x64"))
+    inflow = Plan(nervure.load("cylinder-2d1-450x90")).setting({"box": 2 / 3}).scene.fluid
+    assert inflow.box.x[0] == -0.752 and inflow.box.x[1] > 3.6 and inflow.inflow.x == (-0.752, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("cells", "factor", "right"),
+    [([648, 108], 0.5, [324, 54]), ([96, 72, 72], 0.5**0.5, [64, 48, 48]), ([325, 72], 0.5, [162, 36])],
+)
+def test_numbers_of_cells_keep_proportions_and_fast_transforms(cells, factor, right):
+    assert scaled(cells, factor) == right
+
+
+def test_the_bar_under_its_weight_is_verified_by_one_command(bar, tmp_path):
+    found = quietly(bar, tmp_path / "verify-bar", within=0.02)
+    material, h = bar.rod.material.plane_strain, bar.beam.thickness
+    plate = material.youngs_modulus / (1 - material.poisson_ratio**2)
+    x, y = elastica.tip(bar.beam.length, 2.0 * material.density * h, plate * h**3 / 12, plate * h)
+    for name, exact in (("tip_ux_mean", x), ("tip_uy_mean", y)):
+        known = found.verified.quantities[name]
+        print(name, known.value, known.limit, known.uncertainty, exact, known.shares["segments"].order)
+        assert abs(known.limit - exact) <= known.uncertainty <= 0.02 * abs(exact)
+        assert known.shares["segments"].order == pytest.approx(2.0, abs=0.4)
+    assert found.reached and (tmp_path / "verify-bar" / "verify.png").is_file()
+    again = nervure.run(found.recommended, tmp_path / "again", quiet=True)
+    error = abs(again.summary.quantities["tip_uy"].mean / y - 1)
+    said = again.summary.verified["tip_uy_mean"].error / abs(y)
+    print(error, said, found.verified.recommended_error)
+    assert error <= said <= 0.02
+    assert json.loads((tmp_path / "again" / "summary.json").read_text())["verified"]["tip_uy_mean"]["unit"] == "m"
+    assert "± 95 %" in tool("inspect", tmp_path / "again").stdout
+    assert "tip uy mean" in tool("inspect", tmp_path / "verify-bar").stdout
+    begin = time.perf_counter()
+    repeated = quietly(bar, tmp_path / "verify-bar", within=0.02)
+    print(time.perf_counter() - begin, repeated.verified.wall_s)
+    same = repeated.verified.quantities == found.verified.quantities
+    assert same and repeated.verified.wall_s == found.verified.wall_s  # Of the first time: nothing ran again
+
+
+def test_a_fluid_is_verified_within_its_budget(tmp_path):
+    scene = validate(copy.deepcopy(FLUID_ONLY) | {"time": {"end": 0.1, "communication_step": 2e-3}})
+    found = quietly(scene, tmp_path, within=1e-6, budget=1.2)
+    spent = sum(row["wall_s"] for _, row in found.runs)
+    print(spent, found.problems)
+    assert not found.reached and any("the budget ended" in problem for problem in found.problems)
+    assert {"cells", "c_eta", "box"} <= set(found.verified.quantities["drag_mean"].shares)
+    assert spent <= 1.1 * 1.2
+
+
+def test_a_run_that_overruns_the_budget_is_stopped_and_made_by_the_next_command(bar, tmp_path, monkeypatch):
+    with monkeypatch.context() as late:
+        late.setattr(sweep, "time", lambda: float("inf"))
+        found = quietly(bar, tmp_path)
+    rows = {row["folder"]: row["status"] for row in json.loads((tmp_path / "sweep.json").read_text())}
+    print(found.problems, rows)
+    assert set(rows.values()) == {sweep.STOPPED} and not found.reached
+    assert any("it took longer than was left" in problem for problem in found.problems)
+    assert quietly(bar, tmp_path, within=0.05).reached
+
+
+def test_a_budget_too_small_for_two_runs_is_refused_with_what_they_take(bar, tmp_path):
+    with pytest.raises(InputError, match=r"the budget of .* is too small for two runs of .*: the cheapest two take"):
+        quietly(bar, tmp_path, budget=1e-3)
+
+
+def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, tmp_path, monkeypatch):
+    whole = sweep.run_case
+
+    def run_case(scene, folder, *rest):
+        if folder.name == "scene":
+            return {"status": sweep.FAILED, "reason": "the rod diverged", "wall_s": 0.0, "cpu_s": 0.0}
+        return whole(scene, folder, *rest)
+
+    monkeypatch.setattr(sweep, "run_case", run_case)
+    found = quietly(bar, tmp_path, within=1e-4)
+    print(found.problems)
+    assert "the run scene failed: the rod diverged" in found.problems and not found.reached
+    assert min(found.verified.quantities["tip_uy_mean"].shares["segments"].sizes) == pytest.approx(4 / 3)
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({"parameters": ["mesh"]}, "there is nothing to vary in falling-rod"),
+        ({"parameters": ["colour"]}, "`colour` is unknown: there are cells, segments"),
+        ({"quantities": ["tip_u"]}, "the quantity `tip_u` is not in the results"),
+        ({"within": 0.0}, "within is 0.0, but must be a number above 0"),
+    ],
+)
+def test_bad_input_is_refused_in_words(bar, tmp_path, how, words):
+    bar.time.end = 0.2
+    with pytest.raises(InputError) as refused:
+        quietly(bar, tmp_path, **how)
+    assert words in str(refused.value)
+
+
+def test_numbers_of_the_method_are_no_physics():
+    base = validate(copy.deepcopy(FLUID_ONLY))
+    numerical = {"fluid.box.cells": [128, 64], "time.communication_step": 5e-4, "fluid.mask.cosine.c_eta": 1e-3}
+    assert verified.physics(base) == verified.physics(base.copy(numerical))
+    assert verified.physics(base) != verified.physics(base.copy({"fluid.kinematic_viscosity": 2e-2}))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [(["--within", "much"], "0.02"), (["--budget", "-3"], "20min"), (["--budget", "0s"], "20min")],
+)
+def test_options_without_a_meaning_are_refused(arguments, words):
+    done = tool("verify", "csm1", *arguments)
+    assert done.returncode == 2 and words in done.stdout + done.stderr
