@@ -28,7 +28,7 @@ fn a_ball_on_spring_and_damper_loses_the_exact_share_of_its_speed() {
     for zeta in [0.0, 0.05, 0.3] {
         // The range, in which the stiffness grows, is a thousandth of the overlap.
         let damping = 2.0 * zeta * stiffness.sqrt();
-        let law = Law { range: 1e-5, stiffness, damping, friction: 0.0, film: None };
+        let law = Law { range: 1e-5, stiffness, depth: f64::INFINITY, damping, friction: 0.0, film: None };
         let (mut ball, dt) = ([2e-5, -1.0], PI / stiffness.sqrt() / 400.0);
         while ball[0] < 1.5e-5 || ball[1] < 0.0 {
             ball = step(&law, ball, dt);
@@ -40,7 +40,7 @@ fn a_ball_on_spring_and_damper_loses_the_exact_share_of_its_speed() {
 
 #[test]
 fn a_ball_rests_where_its_weight_balances_the_spring() {
-    let law = Law { range: 1e-3, stiffness: 500.0, damping: 5.0, friction: 0.0, film: None };
+    let law = Law { range: 1e-3, stiffness: 500.0, depth: f64::INFINITY, damping: 5.0, friction: 0.0, film: None };
     let (weight, mut ball) = (9.81, [0.0, 0.0]);
     for _ in 0..100_000 {
         let [x, v] = step(&law, ball, 1e-4);
@@ -57,7 +57,7 @@ fn a_ball_keeps_the_exact_speed_through_a_film_in_few_steps() {
     for (stokes, steps) in [15.0, 27.0, 58.0, 152.0].into_iter().flat_map(|st| [1.0, 2.0, 5.0, 20.0].map(|n| (st, n))) {
         let film = Some(Film { coefficient: 1.0 / stokes, range, least });
         // The ball enters the spring by a thousandth of h_min.
-        let law = Law { range: 1e-8, stiffness: 1e12, damping: 0.0, friction: 0.0, film };
+        let law = Law { range: 1e-8, stiffness: 1e12, depth: f64::INFINITY, damping: 0.0, friction: 0.0, film };
         let (mut ball, mut taken) = ([range, -1.0_f64], 0);
         while ball[1] < 0.0 || ball[0] < range {
             let free = if ball[1] < 0.0 { 0.9 * ball[0] / -ball[1] } else { ball[0] / ball[1] };

@@ -69,6 +69,11 @@ pub trait Structure<const D: usize> {
     /// Set accelerations and net forces before the first step.
     fn start(&mut self) -> Result<(), Error<Self::Failure>>;
 
+    /// Return the time scheme of the next sub-step of `dt`, s.
+    fn scheme(&mut self, _dt: f64) -> Result<Scheme, Error<Self::Failure>> {
+        Ok(self.core().scheme)
+    }
+
     /// Solve for one stage by `rule`; the loads lie at the fraction `load_part` between old and present loads.
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Self::Base>) -> Result<(), Error<Self::Failure>>;
 
@@ -176,8 +181,8 @@ fn advance<const D: usize, S: Structure<D>>(
 fn substep<const D: usize, S: Structure<D>>(structure: &mut S, span: &Span<S::Base>) -> Result<(), Error<S::Failure>> {
     let core = structure.core_mut();
     core.before_substep.copy_from(&core.state);
-    let (scheme, last_step) = (core.scheme, core.state.last_step);
-    match scheme {
+    let last_step = core.state.last_step;
+    match structure.scheme(span.dt)? {
         Scheme::Trapezoid => structure.stage(&StepRule::trapezoid(span.dt), 1.0, span)?,
         Scheme::GeneralisedAlpha { rho_inf } => {
             structure.stage(&StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span)?;
