@@ -38,6 +38,11 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
         ]);
     }
     list.extend(energy_and_newton_outputs(unit).map(at_the_end));
+    if unit.scene.contact.is_some() {
+        let text = "Energy of contact";
+        let energy = Real::output("energy.contact", per(unit, "J", "J/m"), text, |m| from_ref(&m.energy.contact));
+        list.push(at_the_end(energy));
+    }
     list
 }
 

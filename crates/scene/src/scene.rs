@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::beam::{Beam, Root};
+use crate::contact::Contact;
 use crate::coupling::Coupling;
 use crate::fluid::Fluid;
 use crate::reference::Reference;
@@ -56,6 +57,9 @@ pub struct Scene {
     /// An elastic wing in space, alone or in a fluid of three dimensions.
     #[serde(default)]
     pub wing: Option<Wing>,
+    /// Contact of rods with solids and themselves; absent, rods pass through everything.
+    #[serde(default)]
+    pub contact: Option<Contact>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.
     #[serde(default)]
     pub coupling: Option<Coupling>,
