@@ -16,6 +16,9 @@ use crate::{Error, Loads, Rod, RodError};
 /// Strain, and turning angle per node, whose energy is rounding noise.
 const NO_STRAIN: f64 = 1e-10;
 
+/// Ratio of steps, but for rounding, above which the second is longer.
+const LONGER: f64 = 1.0 + 1e-9;
+
 impl<const D: usize> Structure<D> for Rod<D> {
     type Own = RodMemory<D>;
     type Failure = RodError;
@@ -93,12 +96,15 @@ impl<const D: usize> Structure<D> for Rod<D> {
         Ok(())
     }
 
-    /// Where the rod may touch anything BDF2 replaces TR-BDF2: its trapezoid gains energy in short contacts.
-    fn scheme(&mut self, dt: f64) -> Result<Scheme, Error> {
+    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a step
+    /// longer than the one before is a backward Euler step: there BDF2 gains energy too.
+    fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, newton, .. } = self;
-        let (scheme, state) = (core.scheme, &core.state);
-        let Some(contact) = newton.contact.as_mut().filter(|_| scheme == Scheme::TrBdf2) else { return Ok(scheme) };
-        Ok(if contact.may_touch(&state.positions, &state.velocities, dt)? { Scheme::Bdf2 } else { scheme })
+        let (is_dissipative, state) = (matches!(core.scheme, Scheme::TrBdf2 | Scheme::Bdf2), &core.state);
+        let Some(contact) = newton.contact.as_mut().filter(|_| is_dissipative) else { return Ok(None) };
+        let last_step = if dt > LONGER * state.last_step { 0.0 } else { state.last_step };
+        let touches = contact.may_touch(&state.positions, &state.velocities, dt)?;
+        Ok(touches.then(|| StepRule::bdf2(dt, last_step)))
     }
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Option<BaseState<D>>>) -> Result<(), Error> {

@@ -117,6 +117,42 @@ fn a_rod_on_a_turning_drum_obeys_the_capstan_equation() {
     assert!((found / exact - 1.0).abs() < 0.01, "T2/T1 {found} against {exact}");
 }
 
+/// A free hairpin whose arms approach each other: they bounce, and its momentum stays.
+#[test]
+fn arms_of_a_rod_that_meet_bounce_without_a_net_force() {
+    let (segments, radius, dt) = (40, 5e-3, 1e-3);
+    // Two straight arms with a half circle of a tenth of the length between them.
+    let turned = |k: usize| PI * ((k as f64 + 0.5 - 18.0) / 4.0).clamp(0.0, 1.0);
+    let mut contact = contact::<2>(segments, radius, dt, Vec::new());
+    contact.with_itself = true;
+    let mut rod = Rod::<2>::new(Parameters {
+        rest_angles: (0..segments).map(turned).collect(),
+        support: RootSupport::Free,
+        contact: Some(contact),
+        ..Parameters::new(1.0, segments, Section { bending_stiffness: 0.01, ..SECTION })
+    })
+    .unwrap();
+    let mut state = rod.state().clone();
+    for k in 0..=segments {
+        let along = (k as f64 / segments as f64 - 0.5) * 2.0;
+        state.velocities[k][1] = if along.abs() > 0.1 { -0.5 * along } else { 0.0 };
+    }
+    rod.restore(&state).unwrap();
+    let momentum = |rod: &Rod<2>| -> f64 { rod.masses().iter().zip(rod.velocities(1)).map(|(m, v)| m * v).sum() };
+    let (start, mut touched, mut largest) = (momentum(&rod), 0.0_f64, 0.0_f64);
+    for _ in 0..200 {
+        rod.step(dt).unwrap();
+        let all: f64 = rod.contact_forces().iter().map(|force| force[1]).sum();
+        let each: f64 = rod.contact_forces().iter().map(|force| force[1].abs()).sum();
+        (touched, largest) = (touched.max(each), largest.max(all.abs()));
+        let gap = (0..18).map(|k| rod.positions(1)[segments - k] - rod.positions(1)[k]).fold(f64::INFINITY, f64::min);
+        assert!(gap > radius, "the centre lines are {gap} m apart");
+    }
+    assert!(touched > 1.0 && largest < 1e-12 * touched, "net force {largest} N of {touched} N");
+    let drift = (momentum(&rod) - start).abs();
+    assert!(drift < 1e-6, "the momentum drifts by {drift} kg m/s");
+}
+
 /// Numbers between 0 and 1, the same in each run.
 struct Random(u64);
 
@@ -177,16 +213,19 @@ fn thrown<const D: usize>(seed: u64) -> usize {
         let energy = rod.energy().unwrap();
         energy.kinetic + energy.stretching + energy.bending + energy.contact + energy.gravity
     };
-    let scale = rod.energy().unwrap().kinetic + SECTION.line_density * 9.81 * 0.35;
-    let (mut past, mut touched) = (vec![total(&rod)], 0);
+    let (start, scale) = (total(&rod), rod.energy().unwrap().kinetic + SECTION.line_density * 9.81 * 0.35);
+    let (mut least, mut touched) = (start, 0);
     for step in 0..300 {
         rod.step(dt).unwrap_or_else(|error| panic!("case {seed}, step {step}: {error}"));
-        past.push(total(&rod));
-        touched += usize::from(rod.energy().unwrap().contact > 0.0);
-        // A norm of two steps falls, and the energy with it but for ripples while a contact lasts.
-        let least = past[..past.len().saturating_sub(25).max(1)].iter().copied().fold(f64::INFINITY, f64::min);
-        let now = past[past.len() - 1];
-        assert!(now <= least + 0.01 * scale, "case {seed}, step {step}: {now} J after {least} J of {scale} J");
+        let (now, touching) = (total(&rod), rod.energy().unwrap().contact);
+        // BDF2 takes three steps over the impulse of a hard contact: the energy dips meanwhile.
+        let limit = if touching == 0.0 { least } else { start };
+        assert!(now <= limit + 0.01 * scale, "case {seed}, step {step}: {now} J after {limit} J of {scale} J");
+        if touching == 0.0 {
+            least = least.min(now);
+        } else {
+            touched += 1;
+        }
     }
     touched
 }
