@@ -289,6 +289,7 @@ impl<const D: usize> Contacts<D> {
                     spot,
                     length,
                     partners: None,
+                    distances: [before.distance, now.distance],
                     gaps: [before.distance - radius, gap],
                     normals: [before.normal, now.normal],
                     curvature: now.curvature,
@@ -302,6 +303,7 @@ impl<const D: usize> Contacts<D> {
                     spot,
                     length: 0.5 * length,
                     partners: Some([before.spot, now.spot]),
+                    distances: [before.distance, now.distance],
                     gaps: [before, now].map(|own| own.distance - radius - self.radius_at(own.spot)),
                     normals: [before, now].map(|own| own.from / own.distance.max(f64::MIN_POSITIVE)),
                     curvature: Matrix::zeros(),
@@ -396,8 +398,8 @@ impl<const D: usize> Contacts<D> {
             x,
             origin,
             f64::INFINITY,
-            |Meeting { spot: Spot { segment: node, .. }, normals, gaps, slip, .. }| {
-                let is_other_side = normals[0].dot(&normals[1]) < 0.0 && slip.norm() > gaps[0] + gaps[1];
+            |Meeting { spot: Spot { segment: node, .. }, normals, distances, slip, .. }| {
+                let is_other_side = normals[0].dot(&normals[1]) < 0.0 && slip.norm() > distances[0] + distances[1];
                 if is_other_side && self.dt.is_some() {
                     result = Err(RodError::Through { node });
                 }
@@ -424,6 +426,7 @@ struct Meeting<const D: usize> {
     spot: Spot,
     length: f64,
     partners: Option<[Spot; 2]>,
+    distances: [f64; 2],
     gaps: [f64; 2],
     normals: [Vector<D>; 2],
     curvature: Matrix<D>,

@@ -96,8 +96,8 @@ impl<const D: usize> Structure<D> for Rod<D> {
         Ok(())
     }
 
-    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a step
-    /// longer than the one before is a backward Euler step: there BDF2 gains energy too.
+    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a
+    /// step longer than the one before is a backward Euler step: there BDF2 gains energy too.
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, newton, .. } = self;
         let (is_dissipative, state) = (matches!(core.scheme, Scheme::TrBdf2 | Scheme::Bdf2), &core.state);
