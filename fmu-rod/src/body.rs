@@ -1,10 +1,10 @@
 //! A rod in the plane or in space.
 
-use rod::{Error, Rod, Statistics};
+use rod::{Error, Obstacle, Rod, Statistics};
 use scene::{Beam, Scene};
 use serde::{Deserialize, Serialize};
 
-use crate::from_scene;
+use crate::{contact, from_scene};
 
 /// Something of a rod in two or three dimensions.
 #[derive(Clone, Serialize, Deserialize)]
@@ -34,10 +34,15 @@ pub(crate) use either;
 impl Plan {
     /// Return the parameters of the rod of a scene.
     pub fn of(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Self {
-        match scene.dimension(beam) {
-            2 => Self::Planar(from_scene::parameters(scene, beam, rod)),
-            _ => Self::Spatial(from_scene::parameters(scene, beam, rod)),
+        if scene.dimension(beam) == 2 {
+            let place = |body: &scene::Body| Obstacle::of_outline(&body.shape.outline()?, contact::pose(body, 0.0));
+            let contact = contact::of_rod(scene, beam, rod, place);
+            return Self::Planar(rod::Parameters { contact, ..from_scene::parameters(scene, beam, rod) });
         }
+        let endless = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+        let place = |body: &scene::Body| Obstacle::of_solid(&body.shape.solid(&endless)?, contact::pose(body, 0.0));
+        let contact = contact::of_rod(scene, beam, rod, place);
+        Self::Spatial(rod::Parameters { contact, ..from_scene::parameters(scene, beam, rod) })
     }
 
     /// Return the rod at rest, without loads.

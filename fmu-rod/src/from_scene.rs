@@ -3,7 +3,7 @@
 use rod::{Loads, Parameters, RootSupport, Slide, Taper};
 use scene::{Beam, Load, Material, Scene};
 
-/// Return the parameters of the rod of a scene.
+/// Return the parameters of the rod of a scene, without contact.
 pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
     let (attachment, direction) = scene.beam_root(beam);
     let displaced = scene.displaced_line_density(beam, rod);
@@ -32,6 +32,7 @@ pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) 
         },
         slide: rod.slide.as_ref().map(|slide| Slide { axis: slide.along as usize, mass: slide.mass }),
         clamp_compliance_length: rod.clamp_compliance_length,
+        contact: None,
         scheme: rod.scheme,
         max_step: Some(rod.max_step.unwrap_or(scene.time.communication_step)),
     }

@@ -1,6 +1,7 @@
 //! FMI co-simulation unit of the elastic rod.
 
 mod body;
+mod contact;
 mod from_scene;
 mod parameters;
 mod unit;

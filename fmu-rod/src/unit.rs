@@ -4,8 +4,8 @@ use rod::{BaseMotion, Energy, Error, Loads, RootResponse, RootSupport};
 use scene::{Beam, FlyerHinge, RootMotion, Scene};
 
 use crate::body::{Body, Dimensions, Plan, either};
-use crate::from_scene;
 use crate::parameters::Parameters;
+use crate::{contact, from_scene};
 
 const BUILT: &str = "an instance has a body";
 
@@ -24,6 +24,8 @@ pub struct RodUnit {
     pub loads: Loads,
     /// None in a description.
     body: Option<Body>,
+    /// Solids that the rod touches.
+    obstacles: Vec<scene::Body>,
     pub base: BaseInputs,
     /// Name of the load from a fluid and the reason for the choice; empty without a fluid.
     pub load: [String; 2],
@@ -97,6 +99,7 @@ impl RodUnit {
             loads: from_scene::loads(&scene, plan.dimension(), beam.segments + 1),
             energy: Energy::default(),
             base: BaseInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
+            obstacles: scene.contact_bodies(),
             scene,
             beam,
             rod,
@@ -156,8 +159,8 @@ impl RodUnit {
     /// Compute the energy, which several outputs read.
     pub fn copy_to_outputs(&mut self) -> Result<(), Error> {
         self.energy = either!(self.body(), rod => rod.energy()?);
-        let Energy { stretching, bending, kinetic, gravity } = self.energy;
-        let total = stretching + bending + kinetic + gravity;
+        let Energy { stretching, bending, kinetic, contact, gravity } = self.energy;
+        let total = stretching + bending + kinetic + contact + gravity;
         if total.is_finite() {
             return Ok(());
         }
@@ -220,15 +223,25 @@ impl RodUnit {
 
     /// Place the rod at rest with its root in the state of time `t`, if the root moves.
     pub fn place(&mut self, t: f64) -> Result<(), Error> {
+        self.move_obstacles([t; 2]);
         match self.base_at(t) {
             Some(base) => either!(self.body_mut(), rod => rod.place(base_motion(base))),
             None => Ok(()),
         }
     }
 
+    /// Move the solids that laws move, between two times, s.
+    fn move_obstacles(&mut self, times: [f64; 2]) {
+        let body = self.body.as_mut().expect(BUILT);
+        for (i, own) in self.obstacles.iter().enumerate().filter(|(_, own)| own.laws().is_some()) {
+            either!(&mut *body, rod => rod.move_obstacle(i, times.map(|t| contact::pose(own, t))));
+        }
+    }
+
     /// Advance from `t` to `t + h`.
     pub fn step(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.mark_stale();
+        self.move_obstacles([t, t + h]);
         if let Some(base) = self.base_at(t + h) {
             either!(self.body_mut(), rod => rod.base_motion = Some(base_motion(base)));
         }

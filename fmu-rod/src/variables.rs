@@ -41,6 +41,11 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
     if unit.response.is_some() {
         list.extend(response());
     }
+    if unit.scene.contact.is_some() {
+        let text = "Energy of contact";
+        let energy = Real::output("energy.contact", per(unit, "J", "J/m"), text, |m| from_ref(&m.energy.contact));
+        list.push(at_the_end(energy));
+    }
     list
 }
 

@@ -14,6 +14,7 @@
 
 mod banded;
 mod base_motion;
+mod contact;
 mod discretization;
 mod elastic;
 mod error;
@@ -28,10 +29,12 @@ mod statics;
 mod step;
 mod vertex;
 
+pub use ::contact::{Film, Law, Obstacle, Pose, largest_stiffness};
 pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
 pub use crate::banded::{Banded, Singular};
 pub use crate::base_motion::BaseMotion;
+pub use crate::contact::Contact;
 pub use crate::error::{BadShape, Error, RodError};
 pub use crate::memory::{RodMemory, RodState};
 pub use crate::model::{Bending, Calibration, RootSupport, Section, Slide, Taper};

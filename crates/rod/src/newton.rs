@@ -13,6 +13,7 @@
 use structure::{Balance, Imbalance, RELATIVE_UPDATE, Residual, Statistics, Vector};
 
 use crate::banded::{Banded, Singular};
+use crate::contact::Contacts;
 use crate::elastic::Elastic;
 use crate::{BadShape, Error};
 
@@ -73,6 +74,10 @@ pub(crate) struct Newton<const D: usize> {
     pub(crate) extent: f64,
     /// First node that moves freely: 1, or 0 with a free or sliding root.
     first: usize,
+    /// Contact; `None` without.
+    pub(crate) contact: Option<Contacts<D>>,
+    /// Forces of the contact, N: `[n + 1]`; empty without.
+    pub(crate) touch: Vec<Vector<D>>,
     /// Only component in which node 0 moves freely, with a sliding root.
     slide: Option<usize>,
 }
@@ -102,8 +107,16 @@ impl<const D: usize> Newton<D> {
             length,
             extent,
             first,
+            contact: None,
+            touch: Vec::new(),
             slide,
         }
+    }
+
+    /// Add a contact.
+    pub(crate) fn with_contact(self, contact: Option<Contacts<D>>) -> Self {
+        let touch = if contact.is_some() { vec![Vector::zeros(); self.before.len()] } else { Vec::new() };
+        Self { contact, touch, ..self }
     }
 
     /// Move `x` from its first guess to the minimum of Π; a failure leaves `x` undefined.
@@ -118,13 +131,12 @@ impl<const D: usize> Newton<D> {
         statistics.rescues += 1;
         x.copy_from_slice(&self.before);
         // After a long step the guess bends sharply beside the clamp; the origin may then be nearer.
-        let potential = |x: &[Vector<D>]| problem.potential(x).map_or(f64::INFINITY, |(of_x, _)| of_x);
-        let of_guess = potential(x);
+        let of_guess = self.potential(problem, x).map_or(f64::INFINITY, |(of_x, _)| of_x);
         x[self.first..].copy_from_slice(&problem.origin[self.first..]);
         if let Some(axis) = self.slide {
             x[0] = kept(self.before[0], axis, x[0]);
         }
-        if of_guess <= potential(x) {
+        if of_guess <= self.potential(problem, x).map_or(f64::INFINITY, |(of_x, _)| of_x) {
             x.copy_from_slice(&self.before);
         }
         // The line search stops in front of the bad shape that the plain method met.
@@ -225,11 +237,13 @@ impl<const D: usize> Newton<D> {
 
     /// Write −∇Π at `x` to `descent` and return the residual.
     fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
-        let Self { descent, moments, first, slide, .. } = self;
+        self.find_touch(problem, x);
+        let Self { descent, moments, first, touch, slide, .. } = self;
         let mut residual = Residual::default();
         problem.elastic.gradient(x, moments, |k, gradient| {
             let of_node = problem.outer(k, x);
-            let mut descent_of_node = of_node - gradient * problem.balance.elastic;
+            let mut descent_of_node =
+                with_touch(of_node, touch, k, problem.balance.elastic) - gradient * problem.balance.elastic;
             if let (0, Some(axis)) = (k, *slide) {
                 descent_of_node = kept(Vector::zeros(), axis, descent_of_node);
             }
@@ -241,7 +255,8 @@ impl<const D: usize> Newton<D> {
 
     /// Write ∇∇Π at `x` to `matrix` and −∇Π to `descent`.
     pub(crate) fn assemble(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<(), BadShape> {
-        let Self { matrix, moments, descent, stiffness, first: first_node, .. } = self;
+        self.find_touch(problem, x);
+        let Self { matrix, moments, descent, stiffness, touch, first: first_node, .. } = self;
         let first_node = *first_node;
         let Problem { elastic, balance, .. } = problem;
         let s = balance.elastic;
@@ -251,7 +266,7 @@ impl<const D: usize> Newton<D> {
         let sheared = elastic.shear.as_ref().map_or(0.0, |shear| s * shear.stiffest);
         *stiffness = 0.0;
         elastic.derivatives(x, moments, |k, by| {
-            let sum = problem.outer(k, x) - by.gradient * s;
+            let sum = with_touch(problem.outer(k, x), touch, k, s) - by.gradient * s;
             let place = k - first_node;
             descent[place * D..][..D].copy_from_slice(sum.as_slice());
             if let Some(shear) = &elastic.shear {
@@ -282,10 +297,50 @@ impl<const D: usize> Newton<D> {
                 }
             }
         })?;
+        if let Some(contact) = &self.contact {
+            let (matrix, stiffness) = (&mut self.matrix, &mut self.stiffness);
+            contact.hessian(x, problem.origin, |k, [own, mixed, next]| {
+                for (node, block_of_node) in
+                    [(k, own), (k + 1, next)].into_iter().filter(|(node, _)| *node >= first_node)
+                {
+                    for j in 0..D {
+                        let column = matrix.column_mut((node - first_node) * block + first + j);
+                        (j..D).for_each(|i| column[i - j] += s * block_of_node[(i, j)]);
+                        *stiffness = stiffness.max(column[0].abs());
+                        if node == k {
+                            (0..D).for_each(|i| column[D - j + first + i] += s * mixed[(i, j)]);
+                        }
+                    }
+                }
+            });
+        }
         if let Some(axis) = self.slide {
             self.hold_root(axis, first);
         }
         Ok(())
+    }
+
+    /// Find the forces of the contact in the shape `x` at rest.
+    pub(crate) fn touch_at_rest(&mut self, x: &[Vector<D>]) -> Result<(), Error> {
+        let Some(contact) = &mut self.contact else { return Ok(()) };
+        contact.begin_static(x)?;
+        contact.find_forces(x, x, &mut self.touch);
+        Ok(())
+    }
+
+    /// Find the forces of the contact at `x`.
+    fn find_touch(&mut self, problem: Problem<D>, x: &[Vector<D>]) {
+        if let Some(contact) = &self.contact {
+            contact.find_forces(x, problem.origin, &mut self.touch);
+        }
+    }
+
+    /// Return Π and its expected rounding error, J; `None` if the shape `x` has no energy.
+    fn potential(&self, problem: Problem<D>, x: &[Vector<D>]) -> Option<(f64, f64)> {
+        let (potential, rounding) = problem.potential(x)?;
+        let Some(contact) = &self.contact else { return Some((potential, rounding)) };
+        let touching = problem.balance.elastic * contact.potential(x, problem.origin);
+        Some((potential + touching, rounding + POTENTIAL_ROUNDING * touching.abs()))
     }
 
     /// Uncouple the components of node 0 except `axis`, which get the update 0; `first` is their first column.
@@ -357,11 +412,11 @@ impl<const D: usize> Newton<D> {
     /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; return false if none does.
     fn search(&mut self, problem: Problem<D>, x: &mut [Vector<D>], mut part: f64) -> bool {
         let slope: f64 = -self.descent.iter().zip(&self.update).map(|(r, u)| r * u).sum::<f64>();
-        let Some((start, rounding)) = problem.potential(x) else { return false };
+        let Some((start, rounding)) = self.potential(problem, x) else { return false };
         self.before.copy_from_slice(x);
         for _ in 0..BACKTRACKS {
             self.add_update(x, part);
-            if let Some((potential, _)) = problem.potential(x)
+            if let Some((potential, _)) = self.potential(problem, x)
                 && potential <= start + ARMIJO * part * slope + rounding
             {
                 return true;
@@ -390,6 +445,12 @@ impl<const D: usize> Newton<D> {
     }
 }
 
+/// Return the force on node `k` with `part` of the contact; without contact it is the same.
+#[inline(always)]
+pub(crate) fn with_touch<const D: usize>(force: Vector<D>, touch: &[Vector<D>], k: usize, part: f64) -> Vector<D> {
+    touch.get(k).map_or(force, |touch| force + touch * part)
+}
+
 /// Return `vector` with the component `axis` of `free`.
 pub(crate) fn kept<const D: usize>(mut vector: Vector<D>, axis: usize, free: Vector<D>) -> Vector<D> {
     vector[axis] = free[axis];
@@ -403,7 +464,7 @@ impl<const D: usize> Problem<'_, D> {
         self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.diagonal[k]
     }
 
-    /// Return Π and its expected rounding error, J; `None` if the shape `x` has no energy.
+    /// Return Π without contact and its expected rounding error, J; `None` if the shape `x` has no energy.
     fn potential(&self, x: &[Vector<D>]) -> Option<(f64, f64)> {
         let Balance { diagonal, load, elastic, .. } = self.balance;
         let energy = self.elastic.energy(x).ok()?;

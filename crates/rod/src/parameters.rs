@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use structure::{Scheme, Vector, check_scheme, not_negative, positive};
 
+use crate::contact::Contact;
 use crate::model::{Bending, Calibration, RootSupport, Section, Slide, Taper};
 use crate::{Error, RodError};
 
@@ -58,6 +59,8 @@ pub struct Parameters<const D: usize> {
     pub slide: Option<Slide>,
     /// Length of rod whose bending compliance is added to the clamp, m.
     pub clamp_compliance_length: f64,
+    /// What the rod touches; `None` lets it pass through everything.
+    pub contact: Option<Contact<D>>,
     /// Time scheme.
     pub scheme: Scheme,
     /// Largest sub-step of [`Rod::step`](crate::Rod::step), s; `None` for no limit.
@@ -85,6 +88,7 @@ impl<const D: usize> Parameters<D> {
             support: RootSupport::default(),
             slide: None,
             clamp_compliance_length: 0.0,
+            contact: None,
             scheme: Scheme::default(),
             max_step: None,
         }
@@ -118,6 +122,7 @@ impl<const D: usize> Parameters<D> {
         if self.segments < 2 {
             return Err(Error::value("segments", self.segments, "at least 2"));
         }
+        self.contact.as_ref().map_or(Ok(()), |contact| contact.check(self.segments + 1))?;
         self.check_taper()?;
         self.check_support()?;
         if let Some(shear) = self.section.shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {

@@ -4,12 +4,14 @@ use structure::{Core, Loads, Statistics, Structure, Vector};
 
 use crate::Error;
 use crate::base_motion::{BaseMotion, BaseState};
+use crate::contact::Contacts;
 use crate::elastic::Elastic;
 use crate::hinge::Hinge;
 use crate::memory::{RodMemory, RodState};
 use crate::model::RootSupport;
 use crate::newton::{Newton, kept};
 use crate::parameters::Parameters;
+use ::contact::Pose;
 
 /// Energies, J (per metre of depth in two dimensions).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +22,8 @@ pub struct Energy {
     pub stretching: f64,
     /// Energy of bending and shear.
     pub bending: f64,
+    /// Energy of contact.
+    pub contact: f64,
     /// Potential energy in gravity, 0 at the height of the root at rest.
     pub gravity: f64,
 }
@@ -58,6 +62,9 @@ impl<const D: usize> Rod<D> {
         let attachment = Vector::from(parameters.attachment);
         let direction = Vector::from(parameters.direction).normalize();
         let rest = parameters.rest_shape(attachment, direction);
+        let is_held = parameters.support != RootSupport::Free;
+        let contact = parameters.contact.clone();
+        let contact = contact.map(|own| Contacts::new(own, &rest, parameters.segment_length(), is_held));
         let hinge = parameters.hinge();
         let pressure = vec![0.0; if parameters.strain_per_pressure > 0.0 { segments + 1 } else { 0 }];
         let own = RodMemory::at_rest(direction, pressure, hinge.map(|hinge| hinge.at_rest(0.0)));
@@ -81,11 +88,13 @@ impl<const D: usize> Rod<D> {
             tributary: parameters.tributary(),
             masses: parameters.masses(),
             weights,
-            newton: Newton::new(segments, length, attachment.amax() + length, shear, first, slide),
+            newton: Newton::new(segments, length, attachment.amax() + length, shear, first, slide)
+                .with_contact(contact),
             hinge,
             parameters,
         };
         rod.elastic.energy(&rod.core.rest)?;
+        rod.newton.contact.as_mut().map_or(Ok(()), |contact| contact.check_depth(&rod.core.rest))?;
         rod.settle_hinge()?;
         Ok(rod)
     }
@@ -179,7 +188,20 @@ impl<const D: usize> Rod<D> {
             kinetic += 0.5 * m * self.core.state.velocities[k].norm_squared();
             potential -= self.weights[k] * gravity.dot(&(self.core.state.positions[k] - self.core.rest[0]));
         }
-        Ok(Energy { kinetic, stretching: elastic.stretching, bending: elastic.bending, gravity: potential })
+        let contact = self.newton.contact.as_ref().map_or(0.0, |contact| contact.energy(&self.core.state.positions));
+        Ok(Energy { kinetic, contact, stretching: elastic.stretching, bending: elastic.bending, gravity: potential })
+    }
+
+    /// Prescribe the places of obstacle `i` at the begin and the end of the next step; it then stays.
+    pub fn move_obstacle(&mut self, i: usize, places: [Pose<D>; 2]) {
+        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.motion.get_mut(i)) {
+            *place = places;
+        }
+    }
+
+    /// Return the forces of contact on the nodes, N: `[n + 1]`; empty without contact.
+    pub fn contact_forces(&self) -> &[Vector<D>] {
+        &self.newton.touch
     }
 
     /// Return the effort of the last step.

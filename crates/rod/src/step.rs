@@ -5,15 +5,19 @@ use std::f64::consts::PI;
 use structure::{Core, Mounted, Reaction, RootResponse, Scheme, Span, StepRule, Structure, Vector, cross};
 
 use crate::base_motion::BaseState;
+use crate::contact::Contacts;
 use crate::error::LARGEST_GAIN;
 use crate::hinge::{Hinge, advanced};
 use crate::memory::RodMemory;
 use crate::model::RootSupport;
-use crate::newton::{Problem, kept};
+use crate::newton::{Newton, Problem, kept, with_touch};
 use crate::{Error, Loads, Rod, RodError};
 
 /// Strain, and turning angle per node, whose energy is rounding noise.
 const NO_STRAIN: f64 = 1e-10;
+
+/// Ratio of steps, but for rounding, above which the second is longer.
+const LONGER: f64 = 1.0 + 1e-9;
 
 impl<const D: usize> Structure<D> for Rod<D> {
     type Own = RodMemory<D>;
@@ -74,11 +78,13 @@ impl<const D: usize> Structure<D> for Rod<D> {
     fn start(&mut self) -> Result<(), Error> {
         let Self { core, elastic, newton, tributary, masses, parameters, .. } = self;
         let state = &mut core.state;
-        elastic.gradient(&state.positions, &mut newton.moments, |k, gradient| {
+        newton.touch_at_rest(&state.positions)?;
+        let Newton { moments, touch, .. } = newton;
+        elastic.gradient(&state.positions, moments, |k, gradient| {
             let m = masses[k];
             if m > 0.0 {
                 let damping = state.velocities[k] * (parameters.damping * tributary[k]);
-                state.net_forces[k] = core.force[k] - gradient - damping;
+                state.net_forces[k] = with_touch(core.force[k] - gradient - damping, touch, k, 1.0);
                 state.accelerations[k] = state.net_forces[k] / m;
             }
         })?;
@@ -88,6 +94,17 @@ impl<const D: usize> Structure<D> for Rod<D> {
             }
         }
         Ok(())
+    }
+
+    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a
+    /// step longer than the one before is a backward Euler step: there BDF2 gains energy too.
+    fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
+        let Self { core, newton, .. } = self;
+        let (is_dissipative, state) = (matches!(core.scheme, Scheme::TrBdf2 | Scheme::Bdf2), &core.state);
+        let Some(contact) = newton.contact.as_mut().filter(|_| is_dissipative) else { return Ok(None) };
+        let last_step = if dt > LONGER * state.last_step { 0.0 } else { state.last_step };
+        let touches = contact.may_touch(&state.positions, &state.velocities, dt)?;
+        Ok(touches.then(|| StepRule::bdf2(dt, last_step)))
     }
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Option<BaseState<D>>>) -> Result<(), Error> {
@@ -119,7 +136,11 @@ impl<const D: usize> Structure<D> for Rod<D> {
             elastic.set_spring(stiffness, rest, 0.0);
         }
         let problem = Problem { elastic, balance: &core.balance, origin: &core.state.positions };
+        if let Some(contact) = &mut newton.contact {
+            contact.begin(problem.origin, &core.guess, dt, [span.from, span.to])?;
+        }
         newton.solve(problem, &mut core.guess, &mut core.statistics)?;
+        newton.contact.as_ref().map_or(Ok(()), |contact| contact.check(&core.guess, problem.origin))?;
         if let (Some(spring), Some(hinge)) = (spring, &mut core.state.own.hinge) {
             let angle = spring.angle(elastic.spring_moment(&core.guess, &mut newton.moments)?);
             // A jump of more than π has passed the fold, where the moment of the spring changes its sign.
@@ -157,7 +178,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
     /// oscillates about a constant, so its reference is the first energy less the energy lost by damping.
     /// Generalised-α dissipates, so its reference is the lowest energy.
     fn guard(&mut self, span: &Span<Option<BaseState<D>>>) -> Result<(), Error> {
-        let Self { core, elastic, .. } = self;
+        let Self { core, elastic, newton, .. } = self;
         let (scheme, before) = (core.scheme, &core.before_substep);
         if matches!(scheme, Scheme::TrBdf2 | Scheme::Bdf2) {
             return Ok(());
@@ -166,13 +187,15 @@ impl<const D: usize> Structure<D> for Rod<D> {
             && before.last_step > 0.0
             && core.force[elastic.first..] == before.loads[elastic.first..]
             && before.own.pressure.is_empty()
+            && newton.contact.as_ref().is_none_or(Contacts::is_still)
             && core.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
             core.state.own.largest_energy = 0.0;
             return Ok(());
         }
         let shape = elastic.energy(&core.state.positions)?;
-        let stored = shape.stretching + shape.bending;
+        let touching = newton.contact.as_ref().map_or(0.0, |contact| contact.energy(&core.state.positions));
+        let stored = shape.stretching + shape.bending + touching;
         let (mut kinetic, mut work, mut mean_squares) = (0.0, 0.0, 0.0);
         for (k, force) in core.force.iter().enumerate().skip(elastic.first) {
             let (v, v_before) = (core.state.velocities[k], before.velocities[k]);
@@ -210,6 +233,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
     /// Return the reaction of the root; node 0 belongs to the rod, so it accelerates its mass and balances its loads.
     fn complete(&mut self, base: &Option<BaseState<D>>) -> Result<Option<Reaction<D>>, Error> {
         let Self { core, elastic, newton, parameters, .. } = self;
+        newton.contact.iter_mut().for_each(Contacts::stay);
         let state = &core.state;
         let v = state.velocities[0];
         if base.is_none() {
@@ -219,6 +243,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
         let (mut force, moment) = elastic.support_reaction(&state.positions, &mut newton.moments)?;
         force += state.accelerations[0] * self.masses[0] + v * (parameters.damping * self.tributary[0]) - core.force[0];
         force += core.resistance(0, &v);
+        newton.touch.first().inspect(|touch| force -= **touch);
         if let Some(slide) = parameters.slide {
             force[slide.axis] = 0.0;
         }
@@ -242,13 +267,22 @@ impl<const D: usize> Structure<D> for Rod<D> {
 
     fn find_elastic_forces(&mut self) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
-        elastic.gradient(&core.state.positions, &mut newton.moments, |k, gradient| core.product[k] = gradient)?;
+        newton.touch_at_rest(&core.state.positions)?;
+        let Newton { moments, touch, .. } = newton;
+        let forces = &mut core.product;
+        elastic.gradient(&core.state.positions, moments, |k, gradient| {
+            forces[k] = with_touch(gradient, touch, k, -1.0);
+        })?;
         Ok(())
     }
 
     fn solve(&mut self, origin: &[Vector<D>]) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
-        newton.solve(Problem { elastic, balance: &core.balance, origin }, &mut core.guess, &mut core.statistics)
+        if let Some(contact) = &mut newton.contact {
+            contact.begin_static(origin)?;
+        }
+        newton.solve(Problem { elastic, balance: &core.balance, origin }, &mut core.guess, &mut core.statistics)?;
+        newton.contact.as_ref().map_or(Ok(()), |contact| Ok(contact.check(&core.guess, origin)?))
     }
 }
 

@@ -209,6 +209,25 @@ impl Body {
         turns.into_iter().fold(at_rest, |axes, turn| axes.map(|axis| by(axis, turn)))
     }
 
+    /// Return the axes of the body and their origin, m, at time `t`, s.
+    pub fn pose_at(&self, t: f64) -> ([[f64; 3]; 3], [f64; 3]) {
+        let Some(laws) = self.laws() else { return self.pose([0.0; 3], []) };
+        let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
+        self.pose(displacement, laws.turns().map(|(axis, angle)| (axis, angle.value(t))))
+    }
+
+    /// Return the axes of the body and their origin, m, after a displacement (m) and turns about axes by angles, rad.
+    fn pose(
+        &self,
+        displacement: [f64; 3],
+        turns: impl IntoIterator<Item = ([f64; 3], f64)>,
+    ) -> ([[f64; 3]; 3], [f64; 3]) {
+        let axes = self.axes(turns);
+        let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
+        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
+        (axes, [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d)))
+    }
+
     /// Return the axes of the body at rest.
     pub(crate) fn axes_at_rest(&self) -> [[f64; 3]; 3] {
         self.axes([])
@@ -221,10 +240,8 @@ impl Body {
         turns: impl IntoIterator<Item = ([f64; 3], f64)>,
         ends: &[[f64; 2]],
     ) -> geometry::Shape {
-        let axes = self.axes(turns);
+        let (axes, origin) = self.pose(displacement, turns);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
-        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
-        let origin = [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d));
         let place = |p: [f64; 3]| [0, 1, 2].map(|d| origin[d] + across(p, d));
         if let Some(outline) = self.shape.outline() {
             let [[a, b, _], [c, d, _], _] = axes;

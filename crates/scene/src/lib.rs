@@ -10,6 +10,7 @@
 mod beam;
 mod body;
 mod conform;
+mod contact;
 mod coupling;
 mod facts;
 mod fault;
@@ -52,6 +53,7 @@ pub use ::method::{
 };
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Turn};
+pub use contact::{Contact, HalfSpace};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};

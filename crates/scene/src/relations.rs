@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
 
 use crate::beam::{Beam, Root};
+use crate::contact;
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::flyer;
@@ -43,6 +44,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         }
         check_beam(scene, &own, faults);
     }
+    contact::check(scene, faults);
     check_substeps(scene, faults);
     scene.reference.check_at("reference", faults);
     if faults.len() == 0 {

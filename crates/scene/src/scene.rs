@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::beam::{Beam, Root};
+use crate::contact::Contact;
 use crate::coupling::Coupling;
 use crate::fluid::Fluid;
 use crate::flyer::Flyer;
@@ -67,6 +68,9 @@ pub struct Scene {
     /// A free rigid body that carries wings and rods in space.
     #[serde(default)]
     pub flyer: Option<Flyer>,
+    /// Contact of rods with solids and themselves; absent, rods pass through everything.
+    #[serde(default)]
+    pub contact: Option<Contact>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.
     #[serde(default)]
     pub coupling: Option<Coupling>,

@@ -69,6 +69,11 @@ pub trait Structure<const D: usize> {
     /// Set accelerations and net forces before the first step.
     fn start(&mut self) -> Result<(), Error<Self::Failure>>;
 
+    /// Return a rule for the next sub-step of `dt`, s, in place of the scheme; most have none.
+    fn rule(&mut self, _dt: f64) -> Result<Option<StepRule>, Error<Self::Failure>> {
+        Ok(None)
+    }
+
     /// Solve for one stage by `rule`; the loads lie at the fraction `load_part` between old and present loads.
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Self::Base>) -> Result<(), Error<Self::Failure>>;
 
@@ -177,13 +182,14 @@ fn substep<const D: usize, S: Structure<D>>(structure: &mut S, span: &Span<S::Ba
     let core = structure.core_mut();
     core.before_substep.copy_from(&core.state);
     let (scheme, last_step) = (core.scheme, core.state.last_step);
-    match scheme {
-        Scheme::Trapezoid => structure.stage(&StepRule::trapezoid(span.dt), 1.0, span)?,
-        Scheme::GeneralisedAlpha { rho_inf } => {
+    match (structure.rule(span.dt)?, scheme) {
+        (Some(rule), _) => structure.stage(&rule, 1.0, span)?,
+        (None, Scheme::Trapezoid) => structure.stage(&StepRule::trapezoid(span.dt), 1.0, span)?,
+        (None, Scheme::GeneralisedAlpha { rho_inf }) => {
             structure.stage(&StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span)?;
         }
-        Scheme::Bdf2 => structure.stage(&StepRule::bdf2(span.dt, last_step), 1.0, span)?,
-        Scheme::TrBdf2 => {
+        (None, Scheme::Bdf2) => structure.stage(&StepRule::bdf2(span.dt, last_step), 1.0, span)?,
+        (None, Scheme::TrBdf2) => {
             let (first, second) = span.split(TRAPEZOID_PART);
             structure.stage(&StepRule::trapezoid(first.dt), TRAPEZOID_PART, &first)?;
             structure.stage(&StepRule::bdf2(second.dt, first.dt), 1.0, &second)?;

@@ -1,0 +1,20 @@
+//! Contact of parts with each other and with obstacles, in two or three dimensions.
+//!
+//! A [`Law`] turns the gap g between two surfaces into a force along their common normal. All parts of it are
+//! derivatives of convex functions of g, so an implicit step with contact stays a minimum of a potential:
+//!
+//! ```text
+//! U(g) penalty,      (1/Δt) [∫ Γ dg − Γ(g_0) g] damper and film,      μ N_0 |s| friction with the slip s.
+//! ```
+//!
+//! [`Obstacle`] has closest points, and [`Cells`] finds candidates. All quantities are in SI units.
+
+#![forbid(unsafe_code)]
+
+mod cells;
+mod law;
+mod obstacle;
+
+pub use cells::{Cells, MOST_PARTNERS};
+pub use law::{Before, Film, Friction, Law, Response, largest_stiffness};
+pub use obstacle::{Nearest, Obstacle, Pose};
