@@ -1,5 +1,5 @@
 //! Warnings about the places of bodies, beams and the wing over time: before a run as far as laws move them, and during
-//! a run. There is no contact model.
+//! a run. Contact acts on rods alone.
 
 use std::collections::BTreeMap;
 
