@@ -1,5 +1,7 @@
 """A driven root: limits with exact solutions, the balance of energy, and the averages of the report."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 
@@ -37,8 +39,8 @@ def test_master_drives_the_root_as_the_laws_do(pitching, record, chosen):
         pitching["coupling"] = chosen
     by_laws = record(pitching)
 
-    def drive(t: float) -> list[float]:
-        return [0.0, 0.0, 0.0, 0.0, *simulate.pitch(simulate.pitching(pitching), t)]
+    def drive(t: float, _: Mapping[str, float]) -> dict[str, float]:
+        return dict(zip(("root.angle", "root.omega"), simulate.pitch(simulate.pitching(pitching), t), strict=True))
 
     by_master = record(pitching | {"rod": pitching["rod"] | {"root_motion": "master"}}, drive)
     for column in ("tip_uy", "lift", "root_power"):
