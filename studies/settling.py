@@ -16,8 +16,8 @@ of the spheres of ten Cate et al. (2002)."""
 STEP = 0.0028 * 0.1226  # Length of a step by the speed, m
 REYNOLDS = 495
 """Largest Reynolds number of the cylinder (Uhlmann 2005; from 438 to 466 by Glowinski et al. 2001, 503 by Wang et al.
-2008), with the density of the body. That is inferred: only so does the case at a density ratio of 1.25 and ten times the
-viscosity, published at 17.3, agree (17.4 on 16 cells)."""
+2008), with the density of the body. That is inferred: only so does the case of a density ratio of 1.25 and ten times
+the viscosity, published at 17.3, agree (17.4 on 16 cells)."""
 
 
 def cases() -> Iterator[Case]:
