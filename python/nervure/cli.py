@@ -100,6 +100,10 @@ Output = Annotated[
     Path | None, typer.Option(metavar="FOLDER", parser=_folder, help="Result folder; default: results/NAME.")
 ]
 EndTime = Annotated[float | None, typer.Option(help="End time of the run, s; default: from the scene.")]
+Workers = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Runs at a time on this machine; default: one for each core.")
+]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Live = Annotated[
     bool, typer.Option("--live", help="Show the run on a page of this machine, with buttons to stop it and to save it.")
@@ -436,12 +440,8 @@ def sweep(
         Path | None,
         typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the sweep; default: results/sweep-NAME."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="Runs at a time on this machine; default: one for each core.")
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")
-    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
     retry_failed: Annotated[
         bool, typer.Option("--retry-failed", help="Repeat runs that failed or were killed.")
     ] = False,
@@ -507,12 +507,8 @@ def verify(
         Path | None,
         typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the runs; default: results/verify-NAME."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="Runs at a time on this machine; default: one for each core.")
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")
-    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:

@@ -38,7 +38,7 @@ class Carried:
     """A wing or rod that hinge `name` of a body carries."""
 
     def __init__(self, name: str, link: Link, body: Unit):
-        self.name, self.unit, self.link, self.body = name, link.rod, link, body
+        self.name, self.unit, self.body = name, link.rod, body
         self.root = link.rod.inputs[link.rod_loads.size :]
         for own in (*RESPONSE, *REACTION):
             if own not in self.unit.variables:
@@ -121,10 +121,7 @@ class Flight(Explicit):
             return
         own = places(self.flow, master_inputs(self.flow))
         self.motion = {MOTION[name.removeprefix(prefix)]: at for name, at in own.items() if name.startswith(prefix)}
-        loads, impedance = (
-            self.flow.reader([prefix + name for name in LOAD]),
-            self.flow.reader([f"{prefix}load.impedance"]),
-        )
+        loads, impedance = (self.flow.reader([prefix + name for name in names]) for names in (LOAD, ["load.impedance"]))
         self.shape = lambda: np.concatenate([loads().ravel(), impedance().ravel()])
 
     def give(self, name: str, value: np.ndarray | float) -> None:
