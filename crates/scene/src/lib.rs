@@ -11,11 +11,13 @@ mod beam;
 mod body;
 mod conform;
 mod contact;
+mod contact_checks;
 mod coupling;
 mod facts;
 mod fault;
 mod fluid;
 mod flyer;
+mod flyer_checks;
 mod json;
 mod law;
 mod law_warnings;
@@ -53,7 +55,8 @@ pub use ::method::{
 };
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Turn};
-pub use contact::{Contact, HalfSpace};
+pub use contact::Contact;
+pub use contact_checks::HalfSpace;
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
@@ -72,14 +75,14 @@ pub use rod::{Material, Rod, SectionProfile};
 pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scales::Scales;
-pub use scene::{BeamWithRod, Display, Followed, Scene, Time};
+pub use scene::{BeamWithRod, Display, Followed, Scene, Time, WingOfScene};
 pub use shape::{Ends, Shape};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warning::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingDrive, WingGroup, WingMesh, WingSupport};
-pub use wings::{NamedWing, WingOfScene};
+pub use wings::NamedWing;
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -5,10 +5,10 @@ use std::fmt::Debug;
 use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
 
 use crate::beam::{Beam, Root};
-use crate::contact;
+use crate::contact_checks;
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
-use crate::flyer;
+use crate::flyer_checks;
 use crate::law::TimeLaw;
 use crate::load::Weight;
 use crate::places;
@@ -44,7 +44,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         }
         check_beam(scene, &own, faults);
     }
-    contact::check(scene, faults);
+    contact_checks::check(scene, faults);
     check_substeps(scene, faults);
     scene.reference.check_at("reference", faults);
     if faults.len() == 0 {
@@ -92,7 +92,7 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
     }
     check_wings(scene, faults);
     if let Some(flyer) = &scene.flyer {
-        flyer::check(scene, flyer, faults);
+        flyer_checks::check(scene, flyer, faults);
     }
     if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() && !several_wings && !flies {
         faults.push(match scene.rods.is_empty() {
