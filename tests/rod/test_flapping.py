@@ -110,6 +110,14 @@ def test_thrust_in_still_fluid_is_the_force_from_the_tip_to_the_root(fluid_only,
     assert found.efficiency is None
 
 
+def test_a_root_that_rests_in_the_window_drives_nothing(fluid_only):
+    """As that of a plate that is nudged at its root and then rings."""
+    known, window = known_signal()
+    known["rigid_tip_ux"] = np.minimum(known["time"], 0.1)
+    facts = with_beam(fluid_only, 1.0, 0.0)
+    assert flapping.evaluate(facts, facts.scales["beam"], known, window) is None
+
+
 @pytest.fixture
 def ran(tmp_path, libraries):
     """Function that runs a shipped scene with changes of keys, and returns the run."""

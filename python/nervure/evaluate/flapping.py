@@ -59,7 +59,9 @@ def evaluate(facts: Facts, scales: Scales | None, series: Series, window: Window
     """Return the averages over `window` for a rod or a wing with these scales, whose columns are `series`; None without
     a drive or a whole period."""
     time, rigid_path, tip_path = series["time"], path(series, "rigid_tip"), path(series, "tip")
-    if rigid_path is None or tip_path is None or window.periods == 0 or not np.ptp(rigid_path):
+    if rigid_path is None or tip_path is None or window.periods == 0:
+        return None
+    if not np.ptp(rigid_path[:, window.of(time)], axis=1).any():
         return None
     direction = statistics.principal_direction(time, rigid_path)
     power = average(time, series["root_power"], window)
