@@ -49,7 +49,7 @@ fn run<const D: usize>(mut rod: Rod<D>, dt: f64, steps: usize, push: [f64; D], u
         iterations = iterations.max(rod.statistics().iterations);
         substeps = substeps.max(rod.statistics().substeps);
         let result = result.and_then(|()| rod.energy());
-        let Ok(Energy { kinetic, stretching, bending, gravity }) = result else {
+        let Ok(Energy { kinetic, stretching, bending, gravity, .. }) = result else {
             failure = result.err().map(|error| format!("{} in step {}: {error}", cause(&error), step + 1));
             break;
         };
