@@ -29,7 +29,7 @@ SCHEMES = ("bdf2", "tr_bdf2")  # Of the rod
 END, WINDOW = 4.0, 200  # End of a run, s, and steps of the guards' means
 COARSE = {"fluid.box.cells": [96, 48], "time.end": END, "coupling": {"guards": {"window_steps": WINDOW}}}
 
-ADVICE = ("take a `time", "helps")  # Words of an error that says what to change
+ADVICE = ("; take ", "helps")  # Words of an error that says what to change
 MOST = 0.2
 """Difference of the powers on the rod and from the fluid by the exchanged power, over the second half: a silent run
 above it is bad. The guard tells of 0.1 in a mean that reaches further back."""
