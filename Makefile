@@ -237,7 +237,9 @@ SITE_VENV := target/site/venv
 site: $(READY_DEV) $(SITE_VENV)/.ready ## build the site with its generated reference into target/site/html
 	$(RUN) site/make_pages.py target/site/pages
 	$(MAKE) lab PAGE=target/site/pages/lab/index.html HOME_OF_LAB="--home ../index.html"
-	$(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file site/mkdocs.yml
+	$(SITE_VENV)/bin/python site/equations.py target/site/pages
+	cp site/mkdocs.yml target/site
+	$(SITE_VENV)/bin/zensical build --strict --config-file target/site/mkdocs.yml
 
 $(SITE_VENV)/.ready: requirements/site.lock
 	$(PYTHON) -m venv --clear $(SITE_VENV)
