@@ -36,8 +36,9 @@ pub(crate) struct Newton {
     inertia: Vec<Vector>,
     /// v, m/s: `[nodes]`.
     velocity: Vec<Vector>,
-    /// Positions before a line search, m: `[nodes]`.
+    /// Positions, m, and velocities, m/s, before a line search: `[nodes]`.
     before: Vec<Vector>,
+    velocity_before: Vec<Vector>,
     /// Whether `system` holds factors.
     factorised: bool,
     /// Largest diagonal entry of the last matrix, N/m.
@@ -64,6 +65,7 @@ impl Newton {
             inertia: zeros(),
             velocity: zeros(),
             before: zeros(),
+            velocity_before: zeros(),
             factorised: false,
             stiffness: 0.0,
             size,
@@ -77,7 +79,7 @@ impl Newton {
         self.factorised = false;
     }
 
-    /// Factorise the matrix of the shape `x` that moves at `v`.
+    /// Factorise the matrix of the shape `x` that moves at `v`, which the last solve for `balance` has found.
     pub(crate) fn factorise_at(
         &mut self,
         elastic: &mut Elastic,
@@ -85,6 +87,7 @@ impl Newton {
         x: &[Vector],
         v: &[Vector],
     ) -> Result<(), Error> {
+        self.look_ahead(elastic, balance);
         self.system.assemble(elastic, x, v, balance, false)?;
         match self.system.matrix.factorise() || self.system.factorise_shifted() {
             true => Ok(()),
@@ -102,16 +105,17 @@ impl Newton {
         statistics: &mut Statistics,
     ) -> Result<(), Error> {
         elastic.set_angles(origin)?;
-        elastic.set_stresses(origin);
         let mut imbalance = self.find_residual(elastic, balance, origin, x)?;
         let mut stale = !self.factorised;
+        if stale {
+            elastic.set_stresses(origin);
+        }
         // Factors that do not turn keep the momentum of a free wing in each iteration.
         let rooted = self.system.positions < 3 * origin.len();
         if !stale && rooted {
             self.frames.turn(&elastic.faces, x, &mut self.system.rotations);
         }
         let mut guarded = false;
-        let viscous = 1.0 + elastic.relaxation_time * balance.rate;
         for _ in 0..ITERATIONS {
             statistics.iterations += 1;
             if stale {
@@ -119,7 +123,6 @@ impl Newton {
                 statistics.factorisations += 1;
             }
             self.system.solve(&self.residual);
-            elastic.extrapolate_stresses(x, &self.velocity, viscous, |k| self.system.update_of(k));
             // Share of the update that changes no edge by more than its own length.
             let allowed = 1.0 / self.edge_change(x);
             let before = imbalance.residual;
@@ -132,8 +135,17 @@ impl Newton {
                 return Ok(elastic.check_angles()?);
             }
             stale = imbalance.residual > SLOW * before;
+            if stale {
+                self.look_ahead(elastic, balance);
+            }
         }
         Err(imbalance.error(statistics))
+    }
+
+    /// Set the stresses of the next matrix, by the last update of the shape before it.
+    fn look_ahead(&self, elastic: &mut Elastic, balance: &Balance<3>) {
+        let viscous = 1.0 + elastic.relaxation_time * balance.rate;
+        elastic.extrapolate_stresses(&self.before, &self.velocity_before, viscous, |k| self.system.update_of(k));
     }
 
     /// Assemble and factorise the matrix in the shape `x`; return whether it is the tangent.
@@ -209,6 +221,7 @@ impl Newton {
         statistics: &Statistics,
     ) -> Result<(Imbalance, bool), Error> {
         self.before.copy_from_slice(x);
+        self.velocity_before.copy_from_slice(&self.velocity);
         let along = |newton: &Self| -> f64 {
             newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k))).sum()
         };

@@ -124,7 +124,7 @@ impl WithSimd for Factorise<'_> {
             for left in (0..width).step_by(WIDE) {
                 let wide = WIDE.min(width - left);
                 if left > 0 {
-                    let stride = multiply(simd, block, height, left, left, wide, product, packed);
+                    let stride = multiply(simd, block, height, left, left, product, packed);
                     let columns = block[left * height..].chunks_exact_mut(height).zip(product.chunks_exact(stride));
                     for (column, sums) in columns.take(wide) {
                         column[left..].iter_mut().zip(sums).for_each(|(a, sum)| *a -= sum);
@@ -138,7 +138,7 @@ impl WithSimd for Factorise<'_> {
             targets = others;
             for (i, own) in own.chunks(WIDE).enumerate() {
                 let first = width + WIDE * i;
-                let stride = multiply(simd, &factors[entries[s]..], height, width, first, own.len(), product, packed);
+                let stride = multiply(simd, &factors[entries[s]..], height, width, first, product, packed);
                 for (j, (target, sums)) in own.iter().zip(product.chunks_exact(stride)).enumerate() {
                     let (sums, column) = (&sums[j..height - first], &mut factors[target.start..]);
                     for (&place, sum) in rows[target.rows..].iter().zip(sums) {
@@ -232,10 +232,10 @@ fn factorise_columns(columns: &mut [f64], height: usize, first: usize) -> bool {
     true
 }
 
-/// Write Σ l_ik l_jk over the first `depth` columns k of a block, for `wide` rows j from `first` on and all rows i from
-/// there on. Return the distance of the columns of the product.
+/// Write Σ l_ik l_jk over the first `depth` columns k of a block, for [`WIDE`] rows j from `first` on and all rows i
+/// from there on. Return the distance of the columns of the product.
 ///
-/// Vectors reach into what follows a column; these sums are not used.
+/// Rows j and vectors reach into what follows a column; these sums are not used.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn multiply<S: Simd>(
@@ -244,14 +244,12 @@ fn multiply<S: Simd>(
     height: usize,
     depth: usize,
     first: usize,
-    wide: usize,
     product: &mut [f64],
     packed: &mut [[f64; WIDE]],
 ) -> usize {
     let packed = &mut packed[..depth];
     for (k, packed) in packed.iter_mut().enumerate() {
-        *packed = [0.0; WIDE];
-        packed[..wide].copy_from_slice(&block[k * height + first..][..wide]);
+        packed.copy_from_slice(&block[k * height + first..][..WIDE]);
     }
     let vectors = (height - first).div_ceil(S::F64_LANES);
     let stride = vectors * S::F64_LANES;
