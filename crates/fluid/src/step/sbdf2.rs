@@ -205,7 +205,7 @@ where
         let Problem { bodies, thin, grid, timer, .. } = problem;
         let time = step.end;
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.solve_springs(scheme.c, &present.carried, u_star, w);
+        bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w);
         thin.place(step.stations, &bodies.rigid, grid);
         if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
             return Err(Error::Markers { time });
@@ -334,11 +334,12 @@ where
     }
 
     /// Write the drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
-        let scheme = Differences::new(present.step, present.step, self.memory.step_before);
-        let time = present.time + present.step;
+    fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        let scheme = Differences::new(dt, present.step, self.memory.step_before);
+        let time = present.time + dt;
         let Problem { bodies, thin, grid, .. } = problem;
         bodies.beams.iter_mut().for_each(|beam| beam.move_ahead());
+        bodies.look_ahead(&present.carried, dt, present.step, grid);
         bodies.sample(extrapolated(&scheme, flow, &self.memory));
         let known = Known::of(flow, &self.memory, &self.source);
         let right_side = |point: usize| known.right_side(&scheme, point).map(|(r, _)| r);
@@ -355,7 +356,7 @@ where
         };
         let drag = |cell: &Cell<D>| drag_at(cell, rate[cell.index]);
         bodies.beams.iter().for_each(|beam| beam.collect(drag, &mut loads[beam.number]));
-        bodies.set_announced(drag_at);
+        bodies.set_announced(&present.carried, drag_at);
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {
