@@ -197,7 +197,11 @@ def box(cells: int = 20) -> dict:
     }
 
 
-STREAM = {"mean_flow": {"x": {"constant": 1.0}}, "initial_velocity": [1.0, 0.0, 0.0]}
+STREAM = {
+    "mean_flow": {"x": {"constant": 1.0}},
+    "initial_velocity": [1.0, 0.0, 0.0],
+    "sponge": {"x": [0.3, 0.9], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1},
+}
 WAY = [*"xyz", *(f"angle_{axis}" for axis in "xyz")]
 LIGHT_SPHERE = (
     {"shape": {"sphere": {"radius": 0.3}}},
@@ -213,7 +217,10 @@ TUMBLING_ELLIPSOID = (
 
 @pytest.mark.parametrize(("body", "motion", "stream"), [LIGHT_SPHERE, TUMBLING_ELLIPSOID], ids=["light", "tumbling"])
 def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path):
-    """What is announced to the unit of the body is what the fluid then exerts. The sphere has a tenth of its mass."""
+    """What is announced to the unit of the body is what the fluid then exerts.
+
+    The sphere has a tenth of the mass of the fluid, the ellipsoid turns in a stream and reaches into a sponge.
+    """
     ends = []
     for own in ("mount", "flyer"):
         placed = {"position": [0.0] * 3, "pivot": [0.0] * 3} | body

@@ -179,14 +179,8 @@ where
             if rigid.is_thin() || !rigid.is_predicted() {
                 continue;
             }
-            let mut drag = Drag::default();
-            for cell in rigid.cells.iter() {
-                let share = cell.rate / (c[0] + rate[cell.index]);
-                let at_point = std::array::from_fn(|axis| w[axis][cell.index].to_f64());
-                let slip = Vector::from(u_star(cell.index, at_point)) - cell.velocity;
-                let weight = self.cell_mass * cell.rate;
-                drag.add(weight * slip, cell.gain.map(|gain| weight * gain * (1.0 - share)), &cell.arm);
-            }
+            let drag =
+                rigid.drag(c[0], self.cell_mass, rate, |point| u_star(point, w.each_ref().map(|w| w[point].to_f64())));
             let change = rigid
                 .solve_springs(c, carried, self.density, &drag)
                 .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
@@ -234,17 +228,18 @@ where
         }
     }
 
-    /// Announce the loads after [`Self::look_ahead`]; `drag` gives the force on a cell and how it falls with the velocity
-    /// there.
-    pub fn set_announced(&mut self, carried: &[Carried<D>], drag: impl Fn(&Cell<D>, f64) -> (Vector<D>, Vector<D>)) {
-        let Self { announced, rigid, rate: Some(rate), .. } = self else { return };
+    /// Return the cells of the bodies whose loads are announced.
+    pub fn announced_cells(&self) -> impl Iterator<Item = &Cell<D>> {
+        self.announced.iter().flat_map(|(k, _)| self.rigid[*k].cells.iter())
+    }
+
+    /// Announce the loads after [`Self::look_ahead`] in a step with the first coefficient `c_0` of the differences;
+    /// `u_star` is `u*` at a grid point.
+    pub fn set_announced(&mut self, c_0: f64, carried: &[Carried<D>], u_star: impl Fn(usize) -> [f64; D]) {
+        let Self { announced, rigid, rate: Some(rate), cell_mass, .. } = self else { return };
         let bodies = rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried);
         for ((rigid, carried), (_, load)) in bodies.filter(|(rigid, _)| rigid.announces()).zip(announced) {
-            *load = Drag::default();
-            for cell in rigid.cells.iter() {
-                let (force, slope) = drag(cell, rate[cell.index]);
-                load.add(force, slope, &cell.arm);
-            }
+            *load = rigid.drag(c_0, *cell_mass, rate, &u_star);
             // The cells have the predicted velocities.
             let (predicted, kept) = (rigid.pose.rates(), carried.now.rates());
             let rises = load.impedance.map(|row| (0..6).map(|j| row[j] * (predicted[j] - kept[j])).sum::<f64>());
@@ -417,6 +412,19 @@ where
         let found = <[f64; D]>::solve_springs(&step, drag);
         self.spring_motion = Some(found);
         Some(found.change)
+    }
+
+    /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at
+    /// the drag rate `rate` (1/s) of all bodies; `u_star` is `u*` at a grid point.
+    fn drag(&self, c_0: f64, cell_mass: f64, rate: &[f64], u_star: impl Fn(usize) -> [f64; D]) -> Drag<D> {
+        let mut drag = Drag::default();
+        for cell in self.cells.iter() {
+            let share = cell.rate / (c_0 + rate[cell.index]);
+            let slip = Vector::from(u_star(cell.index)) - cell.velocity;
+            let weight = cell_mass * cell.rate;
+            drag.add(weight * slip, cell.gain.map(|gain| weight * gain * (1.0 - share)), &cell.arm);
+        }
+        drag
     }
 
     /// Move from the predicted place to a displacement, and return the change of the velocities.
