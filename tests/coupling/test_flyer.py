@@ -203,7 +203,8 @@ STREAM = {
     "sponge": {"x": [0.3, 0.9], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1},
 }
 WAY = [*"xyz", *(f"angle_{axis}" for axis in "xyz")]
-LIGHT_SPHERE = (
+FORCE = ["drag", "lift", "side"]
+LIGHT_SPHERE: tuple[dict, dict, dict] = (
     {"shape": {"sphere": {"radius": 0.3}}},
     {"mass": 0.011, "inertia": 4e-4, "gravity": [0.3, 0.0, -1.0]},
     {},
@@ -232,10 +233,10 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
         with run(scene, tmp_path, 20) as session:
             found = outputs(session, "fluid")
             velocity = np.array([session.units["fluid"].field(name) for name in "uvw"])
-        force = [found[f"body[1].{name}"] for name in ("drag", "lift", "side")]
-        ends.append([[found[f"body[1].{name}"] for name in names] for names in (WAY[:3], WAY[3:])] + [force, velocity])
+        places = [np.array([found[f"body[1].{name}"] for name in names]) for names in (WAY[:3], WAY[3:], FORCE)]
+        ends.append([*places, velocity])
     for part, mounted, flown in zip(("place", "angle", "force", "velocity of the flow"), *ends, strict=True):
-        off, scale = np.abs(np.subtract(flown, mounted)).max(), np.abs(mounted).max()
+        off, scale = np.abs(flown - mounted).max(), np.abs(mounted).max()
         assert off < 1e-9 * scale, f"{part}: {flown}, on a mount {mounted}"
     assert np.abs(ends[0][0]).max() > 0.01
 
