@@ -4,6 +4,7 @@ use method::Support;
 use nalgebra::{Matrix3, UnitQuaternion, UnitVector3, Vector3};
 use rigid::{
     Body, BodyParameters, Drag, FluidLoad, Flyer, FlyerState, Force, Freedoms, HingeTurn, Mass, Placed, RootResponse,
+    nearest,
 };
 use scene::{FlyerHinge, FreedomName, Inertia, Scene};
 use serde::{Deserialize, Serialize};
@@ -192,7 +193,7 @@ impl BodyUnit {
         let before = self.flyer().state();
         let mut load = FluidLoad::default();
         if let Some(OfFluid { force, moment, impedance, displaced: (mass, inertia, arm) }) = &self.fluid {
-            let turn = before.body.now.orientation.to_rotation_matrix();
+            let turn = self.body().predicted(h);
             let inertia = turn * inertia * turn.inverse();
             let force = Force { force: Vector3::from(*force), moment: Vector3::from(*moment) };
             load.drag = Drag { force, impedance: *impedance };
@@ -205,7 +206,7 @@ impl BodyUnit {
             return Err("the place of the body is no finite number".into());
         }
         self.time = t + h;
-        self.angle = nearest(self.body().state.now.orientation.scaled_axis(), self.angle);
+        self.angle = nearest(self.body().state.now.orientation.scaled_axis(), &self.angle.into()).into();
         Ok(())
     }
 
@@ -235,15 +236,4 @@ impl Carrying {
         let ([x, y, z], [about_x, about_y, about_z]) = (self.force, self.moment);
         [-x, -y, -z, -about_x, -about_y, -about_z]
     }
-}
-
-/// Return the rotation vector of the same turn as `angle` that is nearest to the one `before`.
-fn nearest(angle: Vector3<f64>, before: [f64; 3]) -> [f64; 3] {
-    let size = angle.norm();
-    if size == 0.0 {
-        return angle.into();
-    }
-    let (axis, turn, before) = (angle / size, std::f64::consts::TAU, Vector3::from(before));
-    let turns = ((before.dot(&axis) - size) / turn).round();
-    (axis * (size + turns * turn)).into()
 }

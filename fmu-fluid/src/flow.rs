@@ -146,23 +146,31 @@ where
         self.stations.iter().map(Stations::len).sum()
     }
 
-    /// Start at another time than the present one, s.
-    pub fn start_at(&mut self, start: f64) {
+    /// Start at a time (s), with the bodies where they are set.
+    pub fn start_at(&mut self, start: f64) -> Result<(), Error> {
         if start != self.solver().time() {
             self.solver_mut().start_at(start);
         }
+        self.give_displacements();
+        self.solver_mut().announce_first()
     }
 
     /// Advance from `t` to `t + h` (s).
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        self.give_displacements();
         let solver = self.solver.as_mut().expect(BUILT);
         solver.stations_mut().iter_mut().zip(&self.stations).for_each(|(to, from)| to.copy_from(from));
+        solver.advance(t, h)
+    }
+
+    /// Give the solver the displacements of the bodies that the master moves.
+    fn give_displacements(&mut self) {
+        let solver = self.solver.as_mut().expect(BUILT);
         for (k, (body, displacement)) in self.parameters.bodies.iter().zip(&self.displacements).enumerate() {
             if matches!(body.motion, Some(Motion::Master)) {
                 *solver.displacement_mut(k) = *displacement;
             }
         }
-        solver.advance(t, h)
     }
 
     /// Return the number of cells along each axis and the values of a field there, in SI units; none of an unknown name.

@@ -72,7 +72,7 @@ impl Model for FluidUnit {
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
-        either!(&mut self.flow, flow => flow.start_at(start));
+        either!(&mut self.flow, flow => flow.start_at(start)).map_err(|e| e.to_string())?;
         let cells =
             either!(&self.flow, flow => flow.cells()).iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
         log.info(format_args!(

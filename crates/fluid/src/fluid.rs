@@ -72,8 +72,9 @@ where
     pub target: Vec<Stations<D>>,
     /// Displacements at the beginning of the step.
     displaced_from: Vec<Pose<D>>,
-    /// Displacements at the end of a step of the fluid.
+    /// Displacements at the end of a step of the fluid, and those that the master gives.
     displaced: Vec<Pose<D>>,
+    displaced_at_end: Vec<Pose<D>>,
     /// Displacements at the end of the step, set from outside; of a body on springs unused.
     pub displaced_to: Vec<Pose<D>>,
 }
@@ -142,6 +143,7 @@ where
                 from: stations,
                 displaced_from: displaced.clone(),
                 displaced: displaced.clone(),
+                displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
             contours: parameters.flexible.iter().map(Contour::from).collect(),
@@ -199,6 +201,35 @@ where
         self.place_at_present();
         self.solver.place_grid(None, &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
+    }
+
+    /// Begin with the displacements of the bodies whose loads are announced, and announce these.
+    ///
+    /// # Errors
+    /// [`Error::Displacement`].
+    pub fn announce_first(&mut self) -> Result<(), Error> {
+        let (bodies, to) = (&self.problem.bodies, &self.motion.displaced_to);
+        if !bodies.announce() {
+            return Ok(());
+        }
+        self.limits.check_displacements(bodies.carried().map(|(_, rigid)| rigid), to, &self.grid_of_bodies())?;
+        for (((_, rigid), carried), to) in bodies.carried().zip(&mut self.present.carried).zip(to) {
+            if rigid.announces() {
+                *carried = Carried { now: *to, before: *to, ..*carried };
+            }
+        }
+        self.place_at_present();
+        self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
+        self.predict_loads();
+        // Flexible bodies begin without loads.
+        self.present.flexible.loads.iter_mut().for_each(|loads| *loads = Loads::none(loads.impedance.len()));
+        Ok(())
+    }
+
+    /// Write the loads of a coming step as long as the last one.
+    fn predict_loads(&mut self) {
+        let dt = if self.present.step > 0.0 { self.present.step } else { self.limits.usual_step };
+        self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
     }
 
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
@@ -277,7 +308,7 @@ where
         }
         self.pressures.invalidate();
         if !self.present.flexible.loads.is_empty() || self.problem.bodies.announce() {
-            self.solver.predict_loads(&mut self.present, &mut self.problem);
+            self.predict_loads();
         }
         self.problem.timer.mark(Phase::Loads);
         if !self.present.flexible.loads.iter().all(Loads::are_finite) {
@@ -304,18 +335,15 @@ where
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
             let is_last = done == 1.0;
-            let Motion { from, between, target, displaced_from, displaced, displaced_to } = &mut self.motion;
+            let Motion { from, between, target, displaced_from, displaced, displaced_at_end, displaced_to } =
+                &mut self.motion;
             let (carried, ends) = (&self.present.carried, displaced_from.iter().zip(&*displaced_to));
-            for (((_, rigid), placed), (carried, (a, b))) in
-                self.problem.bodies.carried().zip(&mut *displaced).zip(carried.iter().zip(ends))
+            let places = displaced.iter_mut().zip(&mut *displaced_at_end);
+            for (((_, rigid), (placed, end)), (carried, (a, b))) in
+                self.problem.bodies.carried().zip(places).zip(carried.iter().zip(ends))
             {
-                *placed = if rigid.mount().is_some() {
-                    carried.predicted(dt, self.present.step)
-                } else if is_last {
-                    *b
-                } else {
-                    Pose::interpolated(a, b, done, h)
-                };
+                *end = if is_last { *b } else { Pose::interpolated(a, b, done, h) };
+                *placed = if rigid.is_predicted() { carried.predicted(dt, self.present.step) } else { *end };
             }
             let (stations, ahead) = if is_last {
                 between.iter_mut().zip(&*target).for_each(|(ahead, target)| ahead.extrapolate(target, h));
@@ -325,8 +353,8 @@ where
                 between.iter_mut().zip(ends).for_each(|(now, (a, b))| now.interpolate(a, b, done, h));
                 (&*between, None)
             };
-            let displacements = &**displaced;
-            let step = Substep { dt, end: t + done * h, stations, displacements, ahead, max_cfl, shortest, team };
+            let (displacements, ends) = (&**displaced, &**displaced_at_end);
+            let step = Substep { dt, end: t + done * h, stations, displacements, ends, ahead, max_cfl, shortest, team };
             self.solver.step(&step, &mut self.present, &mut self.problem)?;
             if is_last {
                 return Ok(());
@@ -386,7 +414,7 @@ where
         self.pressures.invalidate();
         self.place_at_present();
         if self.problem.bodies.announce() {
-            self.solver.predict_loads(&mut self.present, &mut self.problem);
+            self.predict_loads();
         }
         Ok(())
     }

@@ -28,6 +28,8 @@ const FOLDED: f64 = -0.98;
 pub struct StepLimits {
     /// Largest step of the fluid, s.
     max_step: f64,
+    /// Usual step, s.
+    pub usual_step: f64,
     /// Largest CFL number.
     pub max_cfl: f64,
     /// Shortest step that flow or beams may require, s.
@@ -42,6 +44,7 @@ impl StepLimits {
         let usual_step = max_step.min(communication_step);
         Self {
             max_step,
+            usual_step,
             max_cfl,
             shortest: usual_step / SMALLEST_STEP_DIVISOR,
             longest: (LONGEST_COMMUNICATION_STEP * communication_step).min(MAX_SUBSTEPS * usual_step),

@@ -44,8 +44,8 @@ where
     /// Make a step; see [`Scheme::step`].
     fn step(&mut self, step: &Substep<D>, present: &mut Present<D>, problem: &mut Problem<D>) -> Result<(), Error>;
 
-    /// Write the loads for the coming step to `present`; see [`Scheme::predict_loads`].
-    fn predict_loads(&mut self, present: &mut Present<D>, problem: &mut Problem<D>);
+    /// Write the loads for the coming step of `dt` seconds to `present`; see [`Scheme::predict_loads`].
+    fn predict_loads(&mut self, dt: f64, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Call `read` with the problem and the static pressure over the density, `Pi − u²/2` (m²/s²), at a grid point.
     fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>);
@@ -190,8 +190,8 @@ where
         self.scheme.step(step, &mut self.flow, present, problem)
     }
 
-    fn predict_loads(&mut self, present: &mut Present<D>, problem: &mut Problem<D>) {
-        self.scheme.predict_loads(&self.flow, present, problem);
+    fn predict_loads(&mut self, dt: f64, present: &mut Present<D>, problem: &mut Problem<D>) {
+        self.scheme.predict_loads(dt, &self.flow, present, problem);
     }
 
     fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>) {

@@ -24,7 +24,7 @@
 use std::array::from_fn;
 
 use method::Support;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::carried::Carried;
@@ -172,24 +172,48 @@ impl Body {
     /// Return place and motion that a body with the accelerations of the last step would have after a step of `h`
     /// seconds.
     pub fn reference(&self, h: f64) -> Placed {
+        self.reference_by(&self.differences(h), h)
+    }
+
+    fn reference_by(&self, c: &[f64; 3], h: f64) -> Placed {
         let BodyState { now, before, last_step, .. } = &self.state;
         let ratio = if *last_step > 0.0 { h / last_step } else { 0.0 };
         let velocities = from_fn(|i| now.rates()[i] + ratio * (now.rates()[i] - before.rates()[i]));
-        self.moved(&self.differences(h), h, &velocities)
+        self.moved(c, h, &velocities)
+    }
+
+    /// Return the turn from rest with which the fluid predicts its load of a step of `h` seconds.
+    pub fn predicted(&self, h: f64) -> Rotation3<f64> {
+        Rotation3::new(self.carried().predicted(h, self.state.last_step).angle)
+    }
+
+    /// Return the displacement from rest.
+    fn carried(&self) -> Carried<3> {
+        let BodyState { now, before, acceleration, .. } = &self.state;
+        let [now, before] = [now, before].map(|at| at.displacement(&self.parameters.position));
+        Carried { now, before, acceleration: *acceleration }
     }
 
     /// Advance by `h` seconds under `load`, a force with its moment about the pivot that falls with the velocities from
     /// those of [`Self::reference`] on. `fluid` is the fluid of a density that it displaces, and `lift` the force
     /// of that fluid's weight along the freedoms.
     pub fn step(&mut self, h: f64, load: &Drag<3>, fluid: &Mass<3>, lift: &Freedoms) {
-        let (c, reference) = (self.differences(h), self.reference(h));
-        let BodyParameters { mass, centre, supports, gravity, position, .. } = &self.parameters;
-        let BodyState { now, before, acceleration, .. } = &self.state;
-        let carried = Carried {
-            now: now.displacement(position),
-            before: before.displacement(position),
-            acceleration: *acceleration,
-        };
+        self.step_by(&self.differences(h), h, &self.carried(), load, fluid, lift);
+    }
+
+    /// Do so with the backward differences `c` and the displacement `carried` from rest.
+    pub(crate) fn step_by(
+        &mut self,
+        c: &[f64; 3],
+        h: f64,
+        carried: &Carried<3>,
+        load: &Drag<3>,
+        fluid: &Mass<3>,
+        lift: &Freedoms,
+    ) {
+        let reference = self.reference_by(c, h);
+        let BodyParameters { mass, centre, supports, gravity, .. } = &self.parameters;
+        let BodyState { now, before, .. } = &self.state;
         let momenta = [now, before].map(|at| self.momentum_of(at));
         let [momentum, angular]: [Vector3<f64>; 2] = from_fn(|i| c[1] * momenta[0][i] + c[2] * momenta[1][i]);
         let (rates, earlier) = (now.rates(), before.rates());
@@ -207,8 +231,8 @@ impl Body {
             let weight = join::<3>(&pull, arm.cross(&pull));
             let step = SpringStep {
                 supports,
-                carried: &carried,
-                c,
+                carried,
+                c: *c,
                 mass: own,
                 gyroscopic,
                 fluid: *fluid,
@@ -216,7 +240,7 @@ impl Body {
                 predicted: reference.rates(),
             };
             let velocities = step.solve(load).displacement.rates();
-            let next = self.moved(&c, h, &velocities);
+            let next = self.moved(c, h, &velocities);
             let change = (next.omega - end.omega).norm() * h;
             end = next;
             if change <= ROUNDING {

@@ -3,6 +3,7 @@
 //! In the plane an angle, an angular velocity and a moment are numbers, in space they are vectors.
 
 use std::array::from_fn;
+use std::f64::consts::TAU;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -142,6 +143,17 @@ where
 {
     let about = from_fn(|i| freedoms.get(D + i).copied().unwrap_or(0.0));
     (Vector::from_fn(|axis, _| freedoms[axis]), <[f64; D]>::spin(about))
+}
+
+/// Return the rotation vector of the same turn as `angle` that is nearest to the one `before`.
+pub fn nearest(angle: Vector3<f64>, before: &Vector3<f64>) -> Vector3<f64> {
+    let size = angle.norm();
+    if size == 0.0 {
+        return angle;
+    }
+    let axis = angle / size;
+    let turns = ((before.dot(&axis) - size) / TAU).round();
+    axis * (size + turns * TAU)
 }
 
 impl Kinematics<2> for [f64; 2] {

@@ -1,8 +1,8 @@
 //! Rigid bodies in the plane and in space: kinematics, springs and dampers, and a free body that carries others.
 //!
-//! [`SpringStep`] solves for the velocities of a body at the end of a step, with two-step backward differences.
-//! [`Body`] adds the orientation as a quaternion, a centre of mass apart from the pivot, and hinges. All quantities
-//! are in SI units.
+//! [`MountedStep`] solves for the motion of a body on springs in a step, with two-step backward differences.
+//! [`Body`] has the orientation as a quaternion, and a centre of mass apart from the pivot; [`Flyer`] adds hinges. All
+//! quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
@@ -12,6 +12,7 @@ mod flyer;
 mod force;
 mod hinge;
 mod kinematics;
+mod mounted;
 mod pose;
 mod step;
 
@@ -20,6 +21,7 @@ pub use crate::carried::Carried;
 pub use crate::flyer::{FluidLoad, Flyer, FlyerState, HingeTurn};
 pub use crate::force::{Drag, Force};
 pub use crate::hinge::{RootResponse, force_about, rates_at};
-pub use crate::kinematics::{Freedoms, Kinematics, Spin, Turn, Vector, join, split};
+pub use crate::kinematics::{Freedoms, Kinematics, Spin, Turn, Vector, join, nearest, split};
+pub use crate::mounted::MountedStep;
 pub use crate::pose::Pose;
-pub use crate::step::{Mass, SpringMotion, SpringStep};
+pub use crate::step::{Mass, SpringMotion};

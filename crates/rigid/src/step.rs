@@ -101,6 +101,16 @@ where
         matrix
     }
 
+    /// Return the force under which it has an `acceleration` along the freedoms, at these `velocities`.
+    pub fn rate_of_momentum(&self, acceleration: &Freedoms, velocities: &Freedoms) -> Force<D> {
+        let (matrix, gyroscopic) = (self.matrix(), self.gyroscopic(velocities));
+        let sum = |row: &Freedoms| {
+            row[..<[f64; D]>::FREEDOMS].iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>()
+        };
+        let (force, moment) = split::<D>(&from_fn(|i| sum(&matrix[i]) + gyroscopic[i]));
+        Force { force, moment }
+    }
+
     /// Return the force that it needs along the freedoms to keep its `velocities`: `m omega × (omega × r)`, and in
     /// space `omega × I omega`.
     pub fn gyroscopic(&self, velocities: &Freedoms) -> Freedoms {
@@ -117,6 +127,26 @@ where
             }
         }
         force
+    }
+}
+
+impl<const D: usize> SpringMotion<D>
+where
+    [f64; D]: Kinematics<D>,
+{
+    /// Return the step of a body that was put to `displacement`, with the differences `c` and the velocities `predicted`
+    /// before that was known.
+    pub fn given(
+        displacement: Pose<D>,
+        c: [f64; 3],
+        carried: &Carried<D>,
+        fluid: &Mass<D>,
+        predicted: &Freedoms,
+    ) -> Self {
+        let [v, now, before] = [displacement, carried.now, carried.before].map(|pose| pose.rates());
+        let acceleration = from_fn(|i| c[0] * v[i] - c[1] * now[i] - c[2] * before[i]);
+        let change = from_fn(|i| v[i] - predicted[i]);
+        Self { displacement, acceleration, change, unsteady: fluid.rate_of_momentum(&acceleration, predicted) }
     }
 }
 
@@ -155,14 +185,11 @@ where
         // The angle at the end, to first order, tells how it grows with the angular velocity.
         let rates = Pose::<D>::new(&from_fn(|i| x[i] + v[i] / c[0]), &v).rates_of_places();
         let to = from_fn(|i| (c[1] * x[i] + c[2] * x_before[i] + rates[i]) / c[0]);
-        let sums: Freedoms =
-            from_fn(|i| displaced[i][..freedoms.end].iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>());
-        let (force, moment) = split::<D>(&from_fn(|i| sums[i] + gyroscopic[i]));
         SpringMotion {
             displacement: Pose::new(&to, &v),
             acceleration,
             change: from_fn(|i| v[i] - predicted[i]),
-            unsteady: Force { force, moment },
+            unsteady: fluid.rate_of_momentum(&acceleration, &predicted),
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
 pub use ::rigid::{Carried, Drag, Pose};
-use ::rigid::{Mass, SpringStep};
+use ::rigid::{Mass, MountedStep, SpringMotion};
 pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
@@ -160,31 +160,30 @@ where
         self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried())
     }
 
-    /// Let the solid bodies on springs move: find their velocities together with the drag of the fluid, and add what the
-    /// change does to `u*` to `w`.
+    /// Let the solid bodies that were put to a predicted place move: those on springs find their velocities together with
+    /// the drag of the fluid, those whose load was announced have the displacements `ends`. Add what the change of their
+    /// velocities does to `u*` to `w`.
     ///
     /// `c` are the coefficients of the backward differences; `u_star(point, w)` is `u*` at a grid point.
-    pub fn solve_springs<R: Real>(
+    pub fn solve_motion<R: Real>(
         &mut self,
         c: [f64; 3],
         carried: &[Carried<D>],
+        ends: &[Pose<D>],
         u_star: impl Fn(usize, [f64; D]) -> [f64; D],
         w: &mut [Field<R>; D],
     ) {
         let Some(rate) = &self.rate else { return };
-        for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
-            if rigid.is_thin() || rigid.mount().is_none() {
+        let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
+        for ((rigid, carried), end) in bodies.zip(carried).zip(ends) {
+            if rigid.is_thin() || !rigid.is_predicted() {
                 continue;
             }
-            let mut drag = Drag::default();
-            for cell in rigid.cells.iter() {
-                let share = cell.rate / (c[0] + rate[cell.index]);
-                let at_point = std::array::from_fn(|axis| w[axis][cell.index].to_f64());
-                let slip = Vector::from(u_star(cell.index, at_point)) - cell.velocity;
-                let weight = self.cell_mass * cell.rate;
-                drag.add(weight * slip, cell.gain.map(|gain| weight * gain * (1.0 - share)), &cell.arm);
-            }
-            let Some(change) = rigid.solve_springs(c, carried, self.density, &drag) else { continue };
+            let drag =
+                rigid.drag(c[0], self.cell_mass, rate, |point| u_star(point, w.each_ref().map(|w| w[point].to_f64())));
+            let change = rigid
+                .solve_springs(c, carried, self.density, &drag)
+                .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
             for cell in rigid.cells.iter_mut() {
                 let share = cell.rate / (c[0] + rate[cell.index]);
                 let change = velocity_of(&change, &cell.arm);
@@ -220,15 +219,33 @@ where
         !self.announced.is_empty()
     }
 
-    /// Announce the loads; `drag` gives the force on a cell and how it falls with the velocity there.
-    pub fn set_announced(&mut self, drag: impl Fn(&Cell<D>, f64) -> (Vector<D>, Vector<D>)) {
-        let Self { announced, rigid, rate: Some(rate), .. } = self else { return };
-        for (k, load) in announced {
-            *load = Drag::default();
-            for cell in rigid[*k].cells.iter() {
-                let (force, slope) = drag(cell, rate[cell.index]);
-                load.add(force, slope, &cell.arm);
+    /// Put the bodies whose loads are announced to where a step of `dt` seconds after one of `before` seconds puts them.
+    pub fn look_ahead(&mut self, carried: &[Carried<D>], dt: f64, before: f64, grid: &Grid<D>) {
+        for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
+            if rigid.announces() {
+                rigid.place(rigid.pose_of(&carried.predicted(dt, before)), grid);
             }
+        }
+    }
+
+    /// Return the cells of the bodies whose loads are announced.
+    pub fn announced_cells(&self) -> impl Iterator<Item = &Cell<D>> {
+        self.announced.iter().flat_map(|(k, _)| self.rigid[*k].cells.iter())
+    }
+
+    /// Announce the loads after [`Self::look_ahead`] in a step with the first coefficient `c_0` of the differences;
+    /// `u_star` is `u*` at a grid point.
+    pub fn set_announced(&mut self, c_0: f64, carried: &[Carried<D>], u_star: impl Fn(usize) -> [f64; D]) {
+        let Self { announced, rigid, rate: Some(rate), cell_mass, .. } = self else { return };
+        let bodies = rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried);
+        for ((rigid, carried), (_, load)) in bodies.filter(|(rigid, _)| rigid.announces()).zip(announced) {
+            *load = rigid.drag(c_0, *cell_mass, rate, &u_star);
+            // The cells have the predicted velocities.
+            let (predicted, kept) = (rigid.pose.rates(), carried.now.rates());
+            let rises = load.impedance.map(|row| (0..6).map(|j| row[j] * (predicted[j] - kept[j])).sum::<f64>());
+            let (force, moment) = split::<D>(&rises);
+            load.force = load.force.plus(&Force { force, moment });
+            rigid.pose = rigid.pose_of(&carried.now);
         }
     }
 
@@ -388,13 +405,33 @@ where
     /// springs.
     fn solve_springs(&mut self, c: [f64; 3], carried: &Carried<D>, density: f64, drag: &Drag<D>) -> Option<Freedoms> {
         let mount = *self.mount()?;
-        let own = Mass { mass: mount.mass, inertia: self.inertia_matrix(mount.inertia), arm: Vector::zeros() };
         let (fluid, predicted) = (self.displaced_mass(density), self.pose.rates());
-        let (mass, gyroscopic, weight) = (own.matrix(), own.gyroscopic(&predicted), self.weight(&mount, &fluid));
-        let step = SpringStep { supports: &mount.supports, carried, c, mass, gyroscopic, fluid, weight, predicted };
-        let found = step.solve(drag);
+        let Mount { mass, supports, .. } = &mount;
+        let (inertia, weight) = (self.inertia_at_rest(mount.inertia), self.weight(&mount, &fluid));
+        let step = MountedStep { supports, carried, c, mass: *mass, inertia, fluid, weight, predicted };
+        let found = <[f64; D]>::solve_springs(&step, drag);
         self.spring_motion = Some(found);
         Some(found.change)
+    }
+
+    /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at
+    /// the drag rate `rate` (1/s) of all bodies; `u_star` is `u*` at a grid point.
+    fn drag(&self, c_0: f64, cell_mass: f64, rate: &[f64], u_star: impl Fn(usize) -> [f64; D]) -> Drag<D> {
+        let mut drag = Drag::default();
+        for cell in self.cells.iter() {
+            let share = cell.rate / (c_0 + rate[cell.index]);
+            let slip = Vector::from(u_star(cell.index)) - cell.velocity;
+            let weight = cell_mass * cell.rate;
+            drag.add(weight * slip, cell.gain.map(|gain| weight * gain * (1.0 - share)), &cell.arm);
+        }
+        drag
+    }
+
+    /// Move from the predicted place to a displacement, and return the change of the velocities.
+    fn move_to(&mut self, end: Pose<D>, c: [f64; 3], carried: &Carried<D>, density: f64) -> Freedoms {
+        let found = SpringMotion::given(end, c, carried, &self.displaced_mass(density), &self.pose.rates());
+        self.spring_motion = Some(found);
+        found.change
     }
 
     /// Return the weight less that of the fluid that carries the body, with its moment about the pivot. A thin body

@@ -32,7 +32,7 @@ where
     pub orientation: <[f64; D] as Kinematics<D>>::Orientation,
     /// Cells at the present place.
     pub cells: Cells<D>,
-    /// What the solve of the present step found, of a body on springs.
+    /// What the present step found, of a body that it put to a predicted place.
     pub spring_motion: Option<SpringMotion<D>>,
 }
 
@@ -113,6 +113,16 @@ where
         matches!(self.body.motion, Some(Motion::Master | Motion::Mount(_)))
     }
 
+    /// Return whether its load of the next step is announced.
+    pub fn announces(&self) -> bool {
+        self.body.announces
+    }
+
+    /// Return whether a step puts it to a predicted place, and then changes its velocities.
+    pub fn is_predicted(&self) -> bool {
+        self.announces() || self.mount().is_some()
+    }
+
     /// Return its springs and dampers, if it is on such.
     pub fn mount(&self) -> Option<&Mount<D>> {
         if let Some(Motion::Mount(mount)) = &self.body.motion { Some(mount) } else { None }
@@ -165,9 +175,10 @@ where
         Mass { mass, inertia: <[f64; D]>::inertia_matrix(&self.orientation, inertia), arm: self.centroid() }
     }
 
-    /// Return moments of inertia in the axes of the body as a matrix in those of the domain.
-    pub fn inertia_matrix(&self, inertia: <[f64; D] as Kinematics<D>>::Inertia) -> [[f64; 3]; 3] {
-        <[f64; D]>::inertia_matrix(&self.orientation, inertia)
+    /// Return moments of inertia in the axes of the body as a matrix in those of the domain at rest.
+    pub fn inertia_at_rest(&self, inertia: <[f64; D] as Kinematics<D>>::Inertia) -> [[f64; 3]; 3] {
+        let turn = &self.body.turn;
+        <[f64; D]>::inertia_matrix(&<[f64; D]>::orientation(turn, <[f64; D]>::angle_at_rest(turn)), inertia)
     }
 
     /// Return the position of the centroid from the pivot.

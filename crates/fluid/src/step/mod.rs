@@ -99,11 +99,11 @@ where
         problem: &mut Problem<D>,
     ) -> Result<(), Error>;
 
-    /// Write the loads on the stations in a coming step of the same length in which the stations keep their velocities.
+    /// Write the loads on stations and bodies in a coming step of `dt` seconds in which these keep their velocities.
     ///
     /// Implicit drag acts on the bodies where that step ends: at their present places the loads would be late by a step,
     /// and the exchange would feed the rod. Explicit drag acts at their present places.
-    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>);
+    fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Return Pi at the present time (m²/s²), which makes the rate of change free of divergence.
     fn total_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R];

@@ -183,9 +183,8 @@ impl<R: Real> Scheme<R, 2> for Rk2<R> {
 
     /// Write the present drag on the beams. A change of a body's velocity in the coming step takes the fluid along by
     /// `dt a_b/2`.
-    fn predict_loads(&mut self, flow: &Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
+    fn predict_loads(&mut self, step: f64, flow: &Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
         let Bodies { beams, cell_mass: weight, .. } = &problem.bodies;
-        let step = present.step;
         let drag = |cell: &Cell<2>| {
             let slope = cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * step * cell.rate));
             (present_drag(flow, cell) * *weight, slope)

@@ -205,7 +205,7 @@ where
         let Problem { bodies, thin, grid, timer, .. } = problem;
         let time = step.end;
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.solve_springs(scheme.c, &present.carried, u_star, w);
+        bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w);
         thin.place(step.stations, &bodies.rigid, grid);
         if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
             return Err(Error::Markers { time });
@@ -334,28 +334,38 @@ where
     }
 
     /// Write the drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
-        let scheme = Differences::new(present.step, present.step, self.memory.step_before);
-        let time = present.time + present.step;
+    fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        let scheme = Differences::new(dt, present.step, self.memory.step_before);
+        let time = present.time + dt;
         let Problem { bodies, thin, grid, .. } = problem;
         bodies.beams.iter_mut().for_each(|beam| beam.move_ahead());
+        bodies.look_ahead(&present.carried, dt, present.step, grid);
         bodies.sample(extrapolated(&scheme, flow, &self.memory));
-        let known = Known::of(flow, &self.memory, &self.source);
+        let Self { memory, w, source, .. } = self;
+        let known = Known::of(flow, memory, source);
         let right_side = |point: usize| known.right_side(&scheme, point).map(|(r, _)| r);
         let loads = &mut present.flexible.loads;
         let add = |points: &[usize], sums: &mut [[f64; D]]| bodies.add_velocities_at(time, grid, points, sums);
         thin.predict_loads(scheme.c[0], bodies.rate(), right_side, add, grid, loads);
         let Some(rate) = bodies.rate() else { return };
         let weight = bodies.cell_mass;
-        let drag_at = |cell: &Cell<D>, rate: f64| {
-            let share = cell.rate / (scheme.c[0] + rate);
+        let drag = |cell: &Cell<D>| {
+            let share = cell.rate / (scheme.c[0] + rate[cell.index]);
             let momentum = cell.velocity * cell.rate;
             let force = (Vector::from(right_side(cell.index)) + momentum) * share - momentum;
             (force * weight, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
         };
-        let drag = |cell: &Cell<D>| drag_at(cell, rate[cell.index]);
         bodies.beams.iter().for_each(|beam| beam.collect(drag, &mut loads[beam.number]));
-        bodies.set_announced(drag_at);
+        if !bodies.announce() {
+            return;
+        }
+        // Zones and other bodies may drag the fluid in the same cells. Elsewhere `w` is not read.
+        for cell in bodies.announced_cells() {
+            let u_star = Vector::from(right_side(cell.index)) / (scheme.c[0] + rate[cell.index]);
+            w.iter_mut().zip(&u_star).for_each(|(w, u)| w[cell.index] = R::rounded(*u));
+        }
+        bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
+        bodies.set_announced(scheme.c[0], &present.carried, |point| w.each_ref().map(|w| w[point].to_f64()));
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {

@@ -20,8 +20,11 @@ where
     pub end: f64,
     /// Stations of the flexible bodies at the end.
     pub stations: &'a [Stations<D>],
-    /// Displacements at the end of the bodies that laws do not move; predicted where the fluid moves them.
+    /// Displacements at the end of the bodies that laws do not move; predicted where the fluid moves them or announces
+    /// their loads.
     pub displacements: &'a [Pose<D>],
+    /// Displacements at the end of the bodies that the master moves.
+    pub ends: &'a [Pose<D>],
     /// Predicted stations after the end, if loads are predicted after this step.
     pub ahead: Option<&'a [Stations<D>]>,
     /// Largest CFL number.

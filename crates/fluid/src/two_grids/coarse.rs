@@ -271,7 +271,7 @@ where
         let longest = fine.max_cfl / present.advection_rate.max(f64::MIN_POSITIVE);
         let dt = (*ratio as f64 * fine.dt).min(longest).max(fine.dt);
         let end = fine.end - fine.dt + link.ahead + dt;
-        let step = Substep { dt, end, stations: &[], displacements: &[], ahead: None, ..*fine };
+        let step = Substep { dt, end, stations: &[], displacements: &[], ends: &[], ahead: None, ..*fine };
         let is_first = present.step == 0.0;
         scheme.step(&step, flow, present, problem).inspect_err(|_| link.copy_from(&saved.link))?;
         link.ahead += dt;

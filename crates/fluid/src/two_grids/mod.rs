@@ -493,10 +493,10 @@ where
         Ok(())
     }
 
-    fn predict_loads(&mut self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
-        self.coarse.look(present.step);
+    fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        self.coarse.look(dt);
         self.write_source(&Team::alone());
-        self.fine.predict_loads(flow, present, problem);
+        self.fine.predict_loads(dt, flow, present, problem);
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R] {

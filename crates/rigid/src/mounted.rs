@@ -1,0 +1,82 @@
+//! A step of a body on springs whose centre of mass is its pivot.
+
+use method::Support;
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
+
+use crate::body::{Body, BodyParameters, BodyState, Placed};
+use crate::carried::Carried;
+use crate::force::Drag;
+use crate::kinematics::{Freedoms, Kinematics, nearest};
+use crate::pose::Pose;
+use crate::step::{Mass, SpringMotion, SpringStep};
+
+/// A body on springs in a step. In the plane its angle obeys the differences; in space it turns as a [`Body`] does.
+pub struct MountedStep<'a, const D: usize>
+where
+    [f64; D]: Kinematics<D>,
+{
+    /// Spring and damper along each freedom; absent where the body is held.
+    pub supports: &'a [Option<Support>; 6],
+    /// Displacement before the step.
+    pub carried: &'a Carried<D>,
+    /// Coefficients of the backward differences.
+    pub c: [f64; 3],
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moments of inertia about the pivot, in the axes of the domain at rest, kg m².
+    pub inertia: [[f64; 3]; 3],
+    /// The displaced fluid.
+    pub fluid: Mass<D>,
+    /// Weight less that of the fluid that carries the body, with its moment.
+    pub weight: Freedoms,
+    /// Velocities along the freedoms with which the drag was found.
+    pub predicted: Freedoms,
+}
+
+impl MountedStep<'_, 2> {
+    /// Find the motion under `drag`.
+    pub fn solve(&self, drag: &Drag<2>) -> SpringMotion<2> {
+        let &Self { supports, carried, c, mass, inertia, fluid, weight, predicted } = self;
+        let own = Mass { mass, inertia, arm: Vector2::zeros() };
+        let (mass, gyroscopic) = (own.matrix(), own.gyroscopic(&predicted));
+        SpringStep { supports, carried, c, mass, gyroscopic, fluid, weight, predicted }.solve(drag)
+    }
+}
+
+impl MountedStep<'_, 3> {
+    /// Find the motion under `drag`.
+    pub fn solve(&self, drag: &Drag<3>) -> SpringMotion<3> {
+        let &Self { supports, carried, c, mass, inertia, ref fluid, ref weight, ref predicted } = self;
+        let still = Vector3::zeros();
+        let mut body = Body::new(BodyParameters {
+            mass,
+            inertia: inertia.into(),
+            centre: still,
+            supports: *supports,
+            gravity: still,
+            position: still,
+        });
+        let [now, before] = [carried.now, carried.before].map(|Pose { position, angle, velocity, omega }| Placed {
+            position,
+            orientation: UnitQuaternion::from_scaled_axis(angle),
+            velocity,
+            omega,
+        });
+        let [h, last_step] = steps(&c);
+        body.state = BodyState { now, before, acceleration: carried.acceleration, last_step };
+        body.step_by(&c, h, carried, drag, fluid, weight);
+        let mut displacement = body.state.now.displacement(&still);
+        displacement.angle = nearest(displacement.angle, &carried.now.angle);
+        SpringMotion::given(displacement, c, carried, fluid, predicted)
+    }
+}
+
+/// Return the step and the last one (s; 0 if there was none) that have the backward differences `c`.
+fn steps(&[c_0, c_1, c_2]: &[f64; 3]) -> [f64; 2] {
+    if c_2 == 0.0 {
+        return [1.0 / c_0, 0.0];
+    }
+    let ratio = (-c_1 / c_2).sqrt() - 1.0;
+    let h = 1.0 / (c_0 + c_2 * ratio);
+    [h, h * ratio]
+}
