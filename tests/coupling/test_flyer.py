@@ -12,6 +12,7 @@ import nervure
 from nervure.coupling import CouplingError
 from nervure.coupling.flight import Carried
 from nervure.errors import InputError, SceneError
+from nervure.output import animation
 from nervure.simulation.session import Session
 from nervure.units.describe import describe
 
@@ -244,3 +245,17 @@ def test_a_flight_resumes(tmp_path):
     resumed = nervure.resume(tmp_path / "half", end_time=0.25, quiet=True)
     # The last step of the half is longer by rounding.
     assert resumed.series["body_y"] == pytest.approx(whole.series["body_y"], abs=1e-12)
+
+
+def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_them(tmp_path):
+    scene = pair()
+    scene["time"]["end"], scene["flyer"]["position"] = 0.02, [0.0, 0.0, 0.3]
+    found = nervure.run(nervure.Scene.model_validate(scene), tmp_path, fields_every=0.01, quiet=True)
+    mesh, (nodes, triangles) = found.facts.wing, animation.Frames(tmp_path).membrane(0)
+    assert (tmp_path / "wing.png").exists() and len(mesh.roots) == len(mesh.tips) == len(mesh.edges()) == 2
+    assert nodes == pytest.approx(mesh.nodes, abs=1e-7) and np.array_equal(triangles, mesh.triangles)
+    print(mesh.nodes[mesh.tips])
+    assert np.abs(mesh.nodes[mesh.tips, 0]) == pytest.approx(0.25)
+    assert mesh.nodes[:, 2] == pytest.approx(0.3)
+    animation.write(tmp_path, None, None)
+    assert (tmp_path / "motion.gif").exists()
