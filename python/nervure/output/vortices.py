@@ -214,9 +214,9 @@ class Space:
         plotter.enable_parallel_projection()
         falls = bool(self.scene.flyer and self.scene.flyer.gravity[2] < 0)
         direction = np.array((AGAINST_Z if falls else CAMERA) if look.camera is None else look.camera, float)
-        ups = [(0, 0, 1), (0, 1, 0)] if falls else [(0, 1, 0), (0, 0, -1)]
-        steep = abs(direction @ ups[0]) >= 0.95 * np.linalg.norm(direction)
-        up = ups[steep]
+        up, behind = ((0, 0, 1), (0, 1, 0)) if falls else ((0, 1, 0), (0, 0, -1))
+        if abs(direction @ up) >= 0.95 * np.linalg.norm(direction):
+            up = behind
         plotter.view_vector(direction, viewup=up)
         self._fit(plotter.camera)
         plotter.reset_camera_clipping_range()
