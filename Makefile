@@ -262,12 +262,15 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
 
-gallery-space: build $(READY_DEV) ## make the pictures of wing and plate in docs/pictures; needs pyvista
+gallery-space: build $(READY_DEV) ## make the pictures of wing, flyer and plate in docs/pictures; needs pyvista
 	$(NERVURE) build wing-hover-64x64x84 --output results/space/units
 	$(NERVURE) run wing-hover-64x64x84 --fields-every 0.25 --output results/space/wing --force --quiet
 	$(NERVURE) animate results/space/wing --begin 10 --end 20
 	cp results/space/wing/motion.gif docs/pictures/wing-hover.gif
 	cp results/space/wing/vortices.gif docs/pictures/wing-hover-vortices.gif
+	$(NERVURE) run examples/flyer-pid.json --drive examples/flyer_pid.py --fields-every 0.00025 --output results/space/flyer --force --quiet
+	$(NERVURE) animate results/space/flyer --begin 0.045 --end 0.05
+	cp results/space/flyer/vortices.gif docs/pictures/flyer-vortices.gif
 	$(NERVURE) run plate-stream-96x72x72 --end-time 12 --fields-every 0.25 --output results/space/plate --force --quiet
 	$(NERVURE) animate results/space/plate --begin 3 --end 12
 	cp results/space/plate/vortices.gif docs/pictures/plate-stream.gif

@@ -1,7 +1,7 @@
 """Fly a body FMU with wing FMUs, in a fluid or without one, with fmpy alone, and write the way of the body.
 
     nervure build examples/hover-flyer.json --output units
-    python scripts/flyer.py units/hover-flyer- body.csv 0.001 1e-5 left right
+    python scripts/flyer.py units/hover-flyer- body.csv 0.001 5e-6 left right
 
 One exchange a step: each wing announces what its root will bear, the body steps, the wings follow, then the fluid.
 """

@@ -174,7 +174,7 @@ def revolving(stiffness: float | None, cells: int) -> dict[str, Any]:
     flat = mesh_of(scene)
     x, y, _ = flat.nodes.T
     nodes = np.sqrt(0.5) * np.transpose([np.sqrt(2.0) * x, y, -y])
-    chain = {"name": "root", "nodes": flat.root.tolist()}
+    chain = {"name": "root", "nodes": flat.roots[0].tolist()}
     mesh = {"nodes": nodes.tolist(), "triangles": flat.triangles.tolist(), "chains": [chain]}
     motion = {"rotations": [{"angle": REVOLUTION, "axis": UPWARDS}]}
     scene["wing"] |= {"mesh": {"triangles": mesh}, "pivot": PIVOT, "root_motion": motion}

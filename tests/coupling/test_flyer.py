@@ -1,7 +1,9 @@
 """A free body that carries wings and rods at driven hinges, without a fluid and with one."""
 
 import copy
+import json
 import math
+import runpy
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,8 +14,12 @@ import nervure
 from nervure.coupling import CouplingError
 from nervure.coupling.flight import Carried
 from nervure.errors import InputError, SceneError
+from nervure.output import animation
+from nervure.resources import ROOT
 from nervure.simulation.session import Session
 from nervure.units.describe import describe
+
+EXAMPLES = ROOT / "examples"
 
 pytestmark = pytest.mark.usefixtures("body_library")
 
@@ -266,3 +272,37 @@ def test_a_flight_resumes(tmp_path):
     resumed = nervure.resume(tmp_path / "half", end_time=0.25, quiet=True)
     # The last step of the half is longer by rounding.
     assert resumed.series["body_y"] == pytest.approx(whole.series["body_y"], abs=1e-12)
+
+
+def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_them(tmp_path):
+    scene = pair()
+    scene["time"]["end"], scene["flyer"]["position"] = 0.02, [0.0, 0.0, 0.3]
+    found = nervure.run(nervure.Scene.model_validate(scene), tmp_path, fields_every=0.01, quiet=True)
+    mesh, (nodes, triangles) = found.facts.wing, animation.Frames(tmp_path).membrane(0)
+    assert (tmp_path / "wing.png").exists() and len(mesh.roots) == len(mesh.tips) == len(mesh.edges()) == 2
+    assert nodes == pytest.approx(mesh.nodes, abs=1e-7) and np.array_equal(triangles, mesh.triangles)
+    print(mesh.nodes[mesh.tips])
+    assert np.abs(mesh.nodes[mesh.tips, 0]) == pytest.approx(0.25)
+    assert mesh.nodes[:, 2] == pytest.approx(0.3)
+    animation.write(tmp_path, None, None)
+    assert (tmp_path / "motion.gif").exists()
+
+
+def test_a_pid_of_the_stroke_holds_the_height_that_a_constant_stroke_loses(tmp_path):
+    """On cells so coarse that they lift less than half of the example's mass."""
+    scene = json.loads((EXAMPLES / "flyer-pid.json").read_text())
+    scene["time"] = {"end": 0.01, "communication_step": 1e-5}
+    scene["fluid"]["box"]["cells"], scene["flyer"]["mass"] = [32, 24, 32], 2.5e-7
+    heights = []
+    for seen in ({}, {"body_z": 0.0, "body_vz": 0.0}):
+        pid = runpy.run_path(str(EXAMPLES / "flyer_pid.py"))["Pid"]
+        pid.__call__.__globals__.update(AMPLITUDE=0.9, KP=5600.0, KD=38.0)  # Twice as fast as the example
+        own = pid()
+
+        def drive(t: float, values: Mapping[str, float], own=own, seen=seen) -> dict[str, float]:
+            return own(t, {**values, **seen})
+
+        with run(scene, tmp_path, drive=drive) as session:
+            heights.append(outputs(session)["z"])
+    held, lost = heights
+    assert lost < -1e-4 and abs(held) < 0.5 * abs(lost), f"{held} m under control, {lost} m without"

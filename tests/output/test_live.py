@@ -147,10 +147,11 @@ def test_a_wing_is_seen_from_above(tmp_path, pages):
     run.ask("/stop", "POST")
     run.thread.join(20)
     mesh = Facts(scene).wing
+    (edge,) = mesh.edges()
     assert len(veins) == len(mesh.veins) and veins[0] == veins[0][::-1]
-    assert np.abs(np.array(around) - mesh.nodes[mesh.edge(), :2]).max() < 0.1 * np.ptp(mesh.nodes[:, 0])
+    assert np.abs(np.array(around) - mesh.nodes[edge, :2]).max() < 0.1 * np.ptp(mesh.nodes[:, 0])
     sides, corners = (
-        np.array([line, np.roll(line, -1, axis=-2)]) for line in (mesh.nodes[mesh.edge()], mesh.nodes[mesh.triangles])
+        np.array([line, np.roll(line, -1, axis=-2)]) for line in (mesh.nodes[edge], mesh.nodes[mesh.triangles])
     )
     area = np.linalg.norm(np.cross(*sides).sum(axis=0)), np.linalg.norm(np.cross(*corners).sum(axis=(0, 1)))
     assert area[0] == pytest.approx(area[1]), "the edge is that of all triangles"

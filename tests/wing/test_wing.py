@@ -70,7 +70,7 @@ def test_its_pictures_and_its_file_show_the_mesh(run):
         assert len(points) == root["Steps"].attrs["NSteps"] == 11
         assert np.array_equal(root["Polygons/Connectivity"][:].reshape(-1, 3), mesh.triangles)
     assert points[0] == pytest.approx(mesh.nodes, abs=1e-8)
-    assert np.abs(points[:, mesh.root] - mesh.nodes[mesh.root]).max() < 1e-8
+    assert np.abs(points[:, mesh.roots[0]] - mesh.nodes[mesh.roots[0]]).max() < 1e-8
     tip = int(np.argmax(np.linalg.norm(mesh.nodes, axis=1)))
     assert points[-1, tip, 2] == pytest.approx(run.series["tip_uz"][-1], abs=1e-7) != 0.0
 
@@ -79,7 +79,7 @@ def test_the_path_of_its_tip_is_as_smooth_as_the_series(run):
     frames = animation.Frames(run.folder)
     mesh, chosen = frames.facts.wing, list(range(2, 11))
     assert mesh is not None
-    path = animation._path_of_tip(frames, mesh, chosen)
+    (path,) = animation._paths_of_tips(frames, mesh, chosen)
     assert len(path) == 17, "each step from the first frame to the last"
     tip = int(np.argmax(np.linalg.norm(mesh.nodes, axis=1)))
     seen = np.array(frames.wing["VTKHDF/Points"][tip :: len(mesh.nodes)])[chosen]

@@ -55,7 +55,7 @@ def _size(scene: Scene) -> float:
     """Return the shortest side of the box, without a fluid the length of the longest rod or of the wing, m."""
     if scene.fluid:
         return min(high - low for low, high in box_ends(scene.fluid))
-    mesh = Facts(scene).wing if scene.wing else None
+    mesh = Facts(scene).wing
     wing = [float(np.ptp(mesh.nodes, axis=0).max())] if mesh else []
     return max([*wing, *(own.beam.length for own in beams(scene))], default=0.0)
 

@@ -27,7 +27,7 @@ from nervure.files import write_whole
 from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
 from nervure.output.wings import WingPicture
-from nervure.scene import beams, validate
+from nervure.scene import beams, validate, wings
 from nervure.scene.facts import Facts, WingMesh
 from nervure.simulation import results
 from nervure.simulation.recorder import column
@@ -172,7 +172,7 @@ class Frames:
         ]
 
     def membrane(self, frame: int) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return nodes, `[n, 3]`, m, and triangles, `[m, 3]`, of the wing, if the scene has one."""
+        """Return nodes, `[n, 3]`, m, and triangles, `[m, 3]`, of the wings, if the scene has some."""
         mesh = self.facts.wing if self.wing is not None else None
         if mesh is None:
             return None
@@ -371,23 +371,25 @@ def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
 
 
 def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
-    """Write motion.png and the films of a wing with the path of its tip, the node farthest from the pivot at rest."""
+    """Write motion.png and the films of wings with the paths of their tips."""
     scene, mesh = frames.scene, frames.facts.wing
-    assert scene.wing is not None and mesh is not None, "the file is of a wing"
+    assert mesh is not None, "the file is of wings"
     count = len(mesh.nodes)
     shapes = np.array(frames.wing["VTKHDF/Points"][: len(frames.times) * count]).reshape(-1, count, 3)[chosen]
-    path = _path_of_tip(frames, mesh, chosen)
-    still = WingPicture(scene, mesh, shapes, path, plots.WIDTH)
+    paths = _paths_of_tips(frames, mesh, chosen)
+    still = WingPicture(scene, mesh, shapes, np.concatenate(paths), plots.WIDTH)
     for number in np.unique(np.linspace(0, len(chosen) - 1, WINGS).round().astype(int))[:-1]:
         still.add(shapes[number])
-    still.draw_path(path)
+    for path in paths:
+        still.draw_path(path)
     still.show(shapes[-1])
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
     still.caption.set_text(f"t = {first} to {last} {still.clock}")
     plots.save(still.figure, folder / "motion.png")
 
-    picture = WingPicture(scene, mesh, shapes, path, WIDTH)
-    picture.draw_path(path)
+    picture = WingPicture(scene, mesh, shapes, np.concatenate(paths), WIDTH)
+    for path in paths:
+        picture.draw_path(path)
 
     def show(place: int) -> None:
         picture.show(shapes[place])
@@ -397,23 +399,21 @@ def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
     return [folder / "motion.png", *_films(folder / "motion", pictures)]
 
 
-def _path_of_tip(frames: Frames, mesh: WingMesh, chosen: list[int]) -> np.ndarray:
-    """Return the path of the tip of a wing over the times of the frames `chosen`, m, `[times, 3]`: from the series, or
-    else from the frames."""
-    assert frames.scene.wing is not None, "the mesh is of a wing"
-    away, count = np.linalg.norm(mesh.nodes - frames.scene.wing.pivot, axis=1), len(mesh.nodes)
-    tip = int(np.flatnonzero(away > (1 - 1e-12) * away.max())[-1])  # The last of equals, as the unit takes it
-    points = np.array(frames.wing["VTKHDF/Points"][tip::count])[chosen]
-    if frames.run is None:
-        return points
-    series = frames.run.series
+def _paths_of_tips(frames: Frames, mesh: WingMesh, chosen: list[int]) -> list[np.ndarray]:
+    """Return the path of the tip of each wing over the times of the frames `chosen`, m, `[times, 3]`: from the series,
+    or else from the frames."""
+    frames_of_tips = [np.array(frames.wing["VTKHDF/Points"][tip :: len(mesh.nodes)])[chosen] for tip in mesh.tips]
+    series = frames.run.series if frames.run else {"time": np.zeros(0)}
     begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
     rows = (series["time"] >= begin * (1 - 1e-9)) & (series["time"] <= end * (1 + 1e-9))
-    if not all(f"tip_u{axis}" in series for axis in "xyz") or rows.sum() < len(chosen):
-        return points
-    moved = np.transpose([series[f"tip_u{axis}"][rows] for axis in "xyz"])
-    found: np.ndarray = points[0] + moved - moved[0]
-    return found
+    paths = []
+    for name, points in zip(wings(frames.scene), frames_of_tips, strict=True):
+        columns = [f"{'' if frames.scene.wing else name + '_'}tip_u{axis}" for axis in "xyz"]
+        if series.keys() >= set(columns) and rows.sum() >= len(chosen):
+            moved = np.transpose([series[column][rows] for column in columns])
+            points = points[0] + moved - moved[0]
+        paths.append(points)
+    return paths
 
 
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:

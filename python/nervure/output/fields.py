@@ -12,7 +12,7 @@ import numpy as np
 
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
-from nervure.scene import Own, Scene, text
+from nervure.scene import Own, Scene, text, wings
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS, WING_FIELDS
@@ -37,9 +37,10 @@ def station_positions(units: dict[str, Unit], own: Own) -> np.ndarray:
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
 
 
-def wing_nodes(unit: Unit) -> np.ndarray:
-    """Return the present positions of a wing's nodes, `[n, 3]`."""
-    return np.column_stack([unit.read(axis) for axis in "xyz"])
+def wing_nodes(session: Session) -> np.ndarray:
+    """Return the present positions of the nodes of all wings, `[n, 3]`."""
+    units = [session.units[name] for name in wings(session.scene)]
+    return np.concatenate([np.column_stack([unit.read(axis) for axis in "xyz"]) for unit in units])
 
 
 def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
@@ -94,7 +95,7 @@ class Fields(Observer):
         self.stride, self.warn = max(1, round(interval / grid.communication_step)), warn
         frames, known = grid.steps // self.stride + 1, session.steps // self.stride + 1 if session.steps else 0
         shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
-        if not shows and not session.facts.beams and not scene.wing:
+        if not shows and not session.facts.beams and not session.facts.wing:
             raise SceneError("--fields-every needs a beam, a wing or a fluid that shows its fields (fmu_field)")
         self.files: list[Grid | Moving] = []
         if shows:
@@ -264,13 +265,13 @@ class Beam(Moving):
 
 
 class Wing(Moving):
-    """The triangles of a wing."""
+    """The triangles of all wings."""
 
     def __init__(self, session: Session, triangles: np.ndarray, frames: int, known: int):
         super().__init__(session.folder / WING_FIELDS, session.scene, frames, known)
-        self.unit = session.units["wing"]
+        self.session = session
         if not known:
             self._lay_out("Polygons", triangles, frames)
 
     def _points(self) -> np.ndarray:
-        return wing_nodes(self.unit)
+        return wing_nodes(self.session)

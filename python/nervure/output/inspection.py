@@ -103,7 +103,10 @@ def show_scene(console: Console, scene: Scene) -> None:
             names = [region.name for region in scene.wing.regions]
             size += f", regions {', '.join(f'{n} ({(mesh.materials == i).sum()})' for i, n in enumerate(names, 1))}"
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
-        rows += [("wing", size), ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name)))]
+        rows += [
+            ("wing" if scene.wing else "wings", size),
+            ("picture", str(wings.save_mesh(scene, mesh, Path("results") / scene.name))),
+        ]
     rows += forecast.scene_rows(facts)
     if not (bars := verified.bars(scene, Path("results"))) and (likely := prior.expected(facts)):
         rows.append(("errors", likely))

@@ -138,12 +138,15 @@ class Live(Observer):
                     solids.append(fields.outline(points, thickness))
                 else:  # from above
                     solids.append(space.there_and_back(points[:, :2]))
-        wing = (fields.wing_nodes(units["wing"]), mesh.triangles) if mesh else None
+        wing = (fields.wing_nodes(session), mesh.triangles) if mesh else None
         if view:
             solids = view.outlines(solids, self._poses(), wing)
         elif mesh and wing:
             seen = wing[0][:, :2]
-            solids += [seen[mesh.edge()], *(space.there_and_back(seen[vein]) for vein in mesh.veins)]
+            solids += [
+                *(seen[edge] for edge in mesh.edges()),
+                *(space.there_and_back(seen[vein]) for vein in mesh.veins),
+            ]
         frame: dict[str, Any] = {"time": session.time, "solids": [outline.tolist() for outline in solids]}
         if name and view:
             parts = [view.component] if name == "vorticity" else FIELDS[name][: 3 if view.plane else 2]

@@ -312,7 +312,7 @@ def vorticity(session: Session) -> Figure | None:
     ]
     poses = flow.poses(scene, lambda name: float(units["fluid"].read(name)[0]))
     mesh = session.facts.wing
-    shown = view.cut(field), view.outlines(beams, poses, (wing_nodes(units["wing"]), mesh.triangles) if mesh else None)
+    shown = view.cut(field), view.outlines(beams, poses, (wing_nodes(session), mesh.triangles) if mesh else None)
     figure, axes = view.panels(WIDTH)
     figure.set_dpi(DPI)
     picture = flow.Picture(axes[0, 0], view, view.colour_limit([shown]))

@@ -130,7 +130,7 @@ def cropped(fluid: Fluid, crop: Sequence[float]) -> list[tuple[float, float]]:
 
 
 def _at_rest(scene: Scene, fluid: Fluid) -> Iterator[np.ndarray]:
-    """Return points around each body and of the wing at rest, m, `[n, 3]`."""
+    """Return points around each body and of the wings at rest, m, `[n, 3]`."""
     for body in fluid.bodies:
         turn, origin = placed(body, [*body.position, 0.0])
         if (sheet := surface(body)) is not None:
@@ -138,7 +138,7 @@ def _at_rest(scene: Scene, fluid: Fluid) -> Iterator[np.ndarray]:
         else:
             reach = np.abs(turn) @ half_lengths(body, longest(fluid))[0]
             yield np.array([origin - reach, origin + reach])
-    if scene.wing and (mesh := Facts(scene).wing):
+    if mesh := Facts(scene).wing:
         yield mesh.nodes
 
 

@@ -30,6 +30,7 @@ LEVEL, PERCENTILE = 0.15, 99.9  # Q of the surfaces, by this percentile of Q
 LAYER = 3.0  # Thickness of the layer at solids and walls that sets no scale, cells
 MASKED = 1.5  # Thickness of the layer at solids in which the mask makes the flow, and no surface is drawn, cells
 CAMERA = (0.45, 0.4, 1.0)  # Direction from the middle of the part that is shown to the eye; y is up
+AGAINST_Z = (0.45, -1.0, 0.4)  # The same where a flyer falls along -z; z is up
 PLACE, EDGE = (0.82, 0.84), 0.02  # Room for the part, of width and height, and free on the left
 VEIL = 0.6  # Opacity of vortices, which wrap the bodies
 ROOM, REACH = 0.2, 2.5  # Least and largest room around the solids in the picture, by the size of the largest
@@ -211,8 +212,11 @@ class Space:
         plotter.add_text(f"t = {flow.time:.3f} {clock}, {level}, {size} {unit}", position=(0.02, 0.02), **style)
         plotter.add_axes(color=ink, line_width=2)
         plotter.enable_parallel_projection()
-        direction = np.array(CAMERA if look.camera is None else look.camera, float)
-        up = (0, 1, 0) if abs(direction[1]) < 0.95 * np.linalg.norm(direction) else (0, 0, -1)
+        falls = bool(self.scene.flyer and self.scene.flyer.gravity[2] < 0)
+        direction = np.array((AGAINST_Z if falls else CAMERA) if look.camera is None else look.camera, float)
+        up, behind = ((0, 0, 1), (0, 1, 0)) if falls else ((0, 1, 0), (0, 0, -1))
+        if abs(direction @ up) >= 0.95 * np.linalg.norm(direction):
+            up = behind
         plotter.view_vector(direction, viewup=up)
         self._fit(plotter.camera)
         plotter.reset_camera_clipping_range()

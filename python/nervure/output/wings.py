@@ -1,4 +1,4 @@
-"""Pictures of a wing in space: its mesh with root and veins, and its shapes over time."""
+"""Pictures of wings in space: their meshes with roots and veins, and their shapes over time."""
 
 from pathlib import Path
 from typing import Any
@@ -32,8 +32,8 @@ TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, i
 
 
 class WingPicture:
-    """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
-    its tip, `[times, 3]`, m. What is drawn may be wider than their square."""
+    """Axes in true proportions for wings, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
+    their tips, `[times, 3]`, m. What is drawn may be wider than their square."""
 
     def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, path: np.ndarray, width: float):
         everything = np.concatenate([points.reshape(-1, 3), path])
@@ -65,7 +65,7 @@ class WingPicture:
         self.skin = Poly3DCollection([], linewidths=MESH, edgecolors="0.35", zorder=1, clip_on=False)
         self.axes.add_collection3d(self.skin, autolim=False)
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
-        self.root = self._line(ROOT, "0.15")
+        self.roots = [self._line(ROOT, "0.15") for _ in mesh.roots]
         self.figure.suptitle(title(scene, width - 2.0), fontsize="small", x=0.02, ha="left")
         self.caption = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
         self.clock = displayed_unit("s", scene.display)[0]
@@ -80,9 +80,9 @@ class WingPicture:
         corners = placed[self.mesh.triangles]
         self.skin.set_verts(corners)
         self.skin.set_facecolor(tinted(shades(corners), self.mesh.materials))
-        for line, nodes in zip(self.veins, self.mesh.veins, strict=True):
+        chains = zip([*self.veins, *self.roots], [*self.mesh.veins, *self.mesh.roots], strict=True)
+        for line, nodes in chains:
             line.set_data_3d(*placed[nodes].T)
-        self.root.set_data_3d(*placed[self.mesh.root].T)
 
     def add(self, points: np.ndarray) -> None:
         """Add a shape in a light tone behind the shape that is shown."""
@@ -106,8 +106,7 @@ def shades(corners: np.ndarray) -> np.ndarray:
 
 
 def tinted(colours: np.ndarray, materials: np.ndarray) -> np.ndarray:
-    """Return colours of triangles, `[n, 4]`, with those of each region in a tint of its own; `materials` is `[n]` or
-    empty."""
+    """Return colours of triangles, `[n, 4]`, with those of each region in a tint of its own; `materials` is `[n]`."""
     tinted = colours.copy()
     for region in np.unique(materials[materials > 0]):
         tinted[materials == region, :3] *= to_rgb(TINTS[(region - 1) % len(TINTS)])
@@ -115,12 +114,11 @@ def tinted(colours: np.ndarray, materials: np.ndarray) -> np.ndarray:
 
 
 def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
-    """Write mesh.png, the mesh of a wing at rest with root, veins and regions, into `folder`; return its path."""
+    """Write mesh.png, the mesh of wings at rest with roots, veins and regions, into `folder`; return its path."""
     picture = WingPicture(scene, mesh, mesh.nodes[None], NOWHERE, plots.WIDTH)
     picture.show(mesh.nodes)
     parts = [f"{len(mesh.nodes)} nodes", f"{len(mesh.triangles)} triangles", f"{len(mesh.veins)} veins"]
-    assert scene.wing is not None, "the mesh is of a wing"
-    if regions := scene.wing.regions:
+    if scene.wing and (regions := scene.wing.regions):
         parts.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}")
         squares = [Patch(color=TINTS[i % len(TINTS)], label=region.name) for i, region in enumerate(regions)]
         picture.figure.legend(handles=squares, loc="lower left", fontsize="small", frameon=False)
@@ -130,8 +128,8 @@ def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
 
 
 def draw(session: Session, mesh: WingMesh) -> Figure:
-    """Draw the wing of a session as it is now."""
-    points = wing_nodes(session.units["wing"])
+    """Draw the wings of a session as they are now."""
+    points = wing_nodes(session)
     picture = WingPicture(session.scene, mesh, points[None], NOWHERE, plots.WIDTH)
     picture.show(points)
     picture.caption.set_text(f"t = {session.time:.3f} {picture.clock}")

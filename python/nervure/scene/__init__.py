@@ -23,11 +23,11 @@ from nervure.resources import ROOT, SCENES
 from nervure.scene.files import MOST_BYTES, Files, Read, named
 from nervure.scene.keys import Document, assign, json_or_text, override, plain
 from nervure.scene.part import refusal
-from nervure.scene.types import Beam, Rod, Scene
+from nervure.scene.types import Beam, Rod, Scene, Wing
 
 __all__ = [
     "Document", "Own", "Scene", "assign", "beams", "document", "files_of", "json_or_text", "load", "override", "plain",
-    "read", "text", "validate", "with_files", "write_copy",
+    "read", "text", "validate", "wings", "with_files", "write_copy",
 ]  # fmt: skip
 
 
@@ -224,3 +224,8 @@ def beams(scene: Scene) -> list[Own]:
     if scene.beam:
         return [Own("rod", scene.beam, scene.rod, "", "beam")]
     return [Own(own.name, own.beam, own.rod, f"{own.name}_", f"beam_{i}") for i, own in enumerate(scene.rods, 1)]
+
+
+def wings(scene: Scene) -> dict[str, Wing]:
+    """Return the wings of a scene by the names of their units, in the order in which the fluid counts them."""
+    return {"wing": scene.wing} if scene.wing else {own.name: own.wing for own in scene.wings}

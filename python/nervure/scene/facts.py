@@ -8,8 +8,9 @@ import numpy as np
 
 from nervure import library
 from nervure.errors import SceneError
-from nervure.scene import Scene, beams, text
-from nervure.scene.types import ShapeDisk, ShapePlate, ShapePolyline, ShapeTriangulation
+from nervure.scene import Scene, beams, text, validate, wings
+from nervure.scene.solids import rotation
+from nervure.scene.types import ShapeDisk, ShapePlate, ShapePolyline, ShapeTriangulation, Wing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,22 +76,31 @@ class Scales:
 
 @dataclass(frozen=True, kw_only=True)
 class WingMesh:
-    """The mesh of a wing at rest; nodes are counted from 0."""
+    """The meshes of all wings together at rest; nodes are counted from 0."""
 
     nodes: np.ndarray  # m, `[n, 3]`
     triangles: np.ndarray  # Corners, `[triangles, 3]`
     veins: list[np.ndarray]  # Nodes of each vein from base to tip
-    root: np.ndarray  # Held nodes
-    materials: np.ndarray  # Of each triangle, `[triangles]`: 0, or the number of a region from 1; empty without regions
+    roots: list[np.ndarray]  # Held nodes of each wing
+    tips: list[int]  # Node of each wing that is farthest from its pivot
+    materials: np.ndarray  # Of each triangle, `[triangles]`: 0, or the number of a region from 1
 
-    def edge(self) -> np.ndarray:
-        """Return the nodes around the wing, in order: sides that belong to one triangle."""
+    def edges(self) -> list[np.ndarray]:
+        """Return the nodes around each wing, in order: sides that belong to one triangle."""
         sides = {(int(corners[i - 1]), int(corners[i])) for corners in self.triangles for i in range(3)}
         after = {first: second for first, second in sides if (second, first) not in sides}
-        around = [min(after)]
-        while len(around) < len(after):
-            around.append(after[around[-1]])
-        return np.array(around)
+        found = []
+        while after:
+            around = [min(after)]
+            while (node := after.pop(around[-1])) != around[0]:
+                around.append(node)
+            found.append(np.array(around))
+        return found
+
+
+def _alone(scene: Scene, wing: Wing) -> Scene:
+    """Return a scene of one wing, whose mesh the library tells."""
+    return validate({"name": scene.name, "time": scene.time.document(), "wing": wing.document()})
 
 
 class Facts:
@@ -153,15 +163,34 @@ class Facts:
 
     @cached_property
     def wing(self) -> WingMesh | None:
-        """The mesh of the wing; None without one."""
-        if (found := self._found.get("wing")) is None:
+        """The meshes of the wings, as a flyer holds them at angles of 0; None without one."""
+        if not (owns := wings(self.scene)):
             return None
+        flyer = self.scene.flyer
+        hinges = {hinge.carries: hinge for hinge in (flyer.hinges if flyer else ())}
+        nodes, triangles, materials = list[np.ndarray](), list[np.ndarray](), list[np.ndarray]()
+        veins, roots, tips, first = list[np.ndarray](), list[np.ndarray](), list[int](), 0
+        for name, own in owns.items():
+            found = (self if self.scene.wing else Facts(_alone(self.scene, own)))._found["wing"]
+            places = np.array(found["nodes"])
+            away = np.linalg.norm(places - own.pivot, axis=1)
+            if flyer and (hinge := hinges.get(name)):
+                turn = rotation(hinge.turn.axis, hinge.turn.angle) if hinge.turn else np.eye(3)
+                places = np.add(flyer.position, hinge.position) + (places - own.pivot) @ turn.T
+            nodes.append(places)
+            triangles.append(first + np.array(found["triangles"], int).reshape(-1, 3))
+            materials.append(np.array(found.get("materials") or [0] * len(triangles[-1]), int))
+            veins += [first + np.array(vein, int) for vein in found["veins"]]
+            roots.append(first + np.array(found["root"], int))
+            tips.append(first + int(np.flatnonzero(away > (1 - 1e-12) * away.max())[-1]))  # As the unit takes it
+            first += len(places)
         return WingMesh(
-            nodes=np.array(found["nodes"]),
-            triangles=np.array(found["triangles"], int).reshape(-1, 3),
-            veins=[np.array(nodes, int) for nodes in found["veins"]],
-            root=np.array(found["root"], int),
-            materials=np.array(found.get("materials", ()), int),
+            nodes=np.concatenate(nodes),
+            triangles=np.concatenate(triangles),
+            veins=veins,
+            roots=roots,
+            tips=tips,
+            materials=np.concatenate(materials),
         )
 
     @property
