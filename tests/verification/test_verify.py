@@ -202,3 +202,22 @@ def test_a_parameter_of_small_effect_on_a_coarse_run_is_not_varied_on_a_finer_on
     print(wanted, {name: share.uncertainty for name, share in known["drag_mean"].shares.items()})
     assert "c_eta" in known["drag_mean"].shares and "scene" in wanted
     assert ("cells=1.41,c_eta=2" in wanted) == again
+
+
+def test_workers_that_were_slow_to_start_are_not_started_again_for_short_runs(bar, tmp_path, monkeypatch):
+    clock, asked = [0.0], []
+
+    def run(*arguments):
+        asked.append(arguments[7])
+        clock[0] += 50.0
+        return []
+
+    monkeypatch.setattr(process, "time", lambda: clock[0])
+    monkeypatch.setattr(sweep, "run", run)
+    found = process.Verification(bar, tmp_path, 0.02, 600.0, workers=2)
+    settings = list(found.plan.first_settings())
+    found.costs.paces.append((settings[0].work, 10.0))
+    for _ in range(2):
+        found._make(settings)
+    print(asked, found.start)
+    assert asked == [2, 1] and found.start == 50.0

@@ -23,7 +23,8 @@ from nervure.terminal import Console
 from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
-QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
+START = 3.0  # Wall time that workers take to start, s, until it is measured
+WORTH = 3  # Ratio to it of the wall time of runs from which on workers make them, not this process in turn
 TRIAL = 0.25  # Largest part of the budget that the first run may take
 ALIKE, MAIN = 0.3, 3  # Largest relative difference of runs of the same flow, in so many of the first quantities
 LEAST = 3  # Runs of the first parameter that are enough
@@ -102,6 +103,7 @@ class Verification:
         self.names: list[str] = []
         self.units: dict[str, str] = {}
         self.problems: list[str] = []
+        self.start = START  # Wall time that workers take to start, s
         self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
 
     @property
@@ -190,7 +192,9 @@ class Verification:
         cases = {name: self._case(setting) for name, setting in self.settings.items()}
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
         expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
-        in_turn = len(missing) == 1 or expected < QUICK or (self.workers is None and not find_spec("distributed"))
+        short = len(missing) == 1 or expected < WORTH * self.start
+        in_turn = short or (self.workers is None and not find_spec("distributed"))
+        begin = time()
         with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
             rows = sweep.run(
                 list(cases.values()),
@@ -204,6 +208,8 @@ class Verification:
                 lambda case: self._allowed(self.settings[case.folder]),
                 self.begin + self.budget,
             )
+        spent = sum(row["wall_s"] for row in rows if row["folder"] not in self.rows)
+        self.start = self.start if in_turn else max(self.start, time() - begin - spent)
         for row in rows:
             setting = self.settings[row["folder"]]
             if row["status"] == FINISHED and row["folder"] not in self.rows:
