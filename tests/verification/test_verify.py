@@ -168,18 +168,20 @@ def test_options_without_a_meaning_are_refused(arguments, words):
     assert done.returncode == 2 and words in done.stdout + done.stderr
 
 
-def test_a_flow_shows_one_frequency_that_of_its_periods():
+def test_a_flow_shows_one_frequency_that_of_its_periods_and_no_swing_that_dies_away():
     def signal(mean, amplitude, frequency, unit="N", state="periodic"):
         return SimpleNamespace(mean=mean, amplitude=amplitude, frequency_hz=frequency, unit=unit, state=state)
 
     outputs = {"tip_ux": signal(-0.2, 0.1, 0.63, "m"), "tip_uy": signal(0.0, 0.5, 0.31, "m")}
     outputs |= {"drag": signal(0.9, 0.004, 1.9), "lift": signal(0.0, 0.8, 0.92)}
-    summary: Any = SimpleNamespace(quantities=outputs, window=Window(10.0, 26.0, 5))
+    summary: Any = SimpleNamespace(quantities=outputs, window=Window(10.0, 26.0, 5), amplitude_drift=0.02)
     names = chosen(summary, {}, ())
     print(names)
     assert [name for name in names if "frequency" in name] == ["tip_uy_frequency_hz"]
     assert "drag_mean" in names and "drag_amplitude" not in names
     assert "lift_frequency_hz" in chosen(summary, {}, ["lift"])
+    summary.amplitude_drift = -0.7
+    assert chosen(summary, {}, ()) == ["drag_mean"] and "tip_uy_amplitude" in chosen(summary, {}, ["tip_uy"])
 
 
 def known_flag(folder, effect):

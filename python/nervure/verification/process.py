@@ -33,6 +33,7 @@ TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
 MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
 MEAN = 0.1  # The same of a mean beside its own amplitude
+UNSETTLED = 0.3  # Part by which an amplitude changes over the window from which on a swing has no limit
 SAME = 0.1  # Largest relative difference of a frequency from that of the window
 SHARED = 0.5  # Part of the tolerance that a recommended setting leaves to all parameters but the first
 FINEST, FINER = 0.1, 2**0.25  # Smallest recommended size, and ratio of two that are tried
@@ -102,6 +103,7 @@ class Verification:
         self.ratio = self.plan.levels[-2] / self.plan.levels[-1]
         self.names: list[str] = []
         self.units: dict[str, str] = {}
+        self.drift: float | None = None  # Of a finest run that is not settled
         self.problems: list[str] = []
         self.start = START  # Wall time that workers take to start, s
         self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
@@ -234,6 +236,7 @@ class Verification:
         finest = results.read(self.folder / sequence[0].name).summary
         self.names = chosen(finest, self.rows[sequence[0].name], self.quantities)
         self.units = {name: unit_of(name, finest) for name in self.names}
+        self.drift = finest.amplitude_drift if unsettles(finest) else None
         for folder in self._finished():
             if missing := [name for name in self.names if (folder, name) not in self.noise]:
                 made = results.read(self.folder / folder)
@@ -359,8 +362,17 @@ class Verification:
         runs = [(self.settings[name], row) for name, row in self.rows.items()]
         self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         self.problems += [f"the budget ended: {why}" for why in self.refused.values()]
+        if self.drift is not None:
+            self.problems.append(
+                f"over its window the finest run changes by {self.drift:+.0%} of its amplitude: what swings has no "
+                "limit unless it is named, and a wide bar then; take a larger `time.end`"
+            )
         if not found:
-            what = "fewer than two runs gave values" if self.names else "the outputs that are wanted are rounding"
+            what = (
+                "fewer than two runs gave values"
+                if self.names
+                else "the outputs that are wanted are rounding, or not settled"
+            )
             self.problems.append(f"nothing is known of errors: {what}")
             return Outcome(None, self.plan, runs, None, [], self.problems)
         recommended, front = self._recommend(found)
@@ -433,8 +445,8 @@ def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) 
 
 def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
     """Return the columns of the table of runs that are verified: those of the `wanted` outputs, or of all outputs that
-    are not small beside others of their unit. Of these one shows the frequency, that of the periods of the window: the
-    others have it too or a multiple, and noise may change which."""
+    are settled and not small beside others of their unit. Of these one shows the frequency, that of the periods of the
+    window: the others have it too or a multiple, and noise may change which."""
     found, window = [], summary.window
     pace = window.periods / (window.end - window.begin) if window else 0.0
     frequencies = {name: one.frequency_hz or 0.0 for name, one in summary.quantities.items()}
@@ -445,7 +457,8 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
         largest[kind] = max(largest.get(kind, 0.0), abs(quantity.mean) + quantity.amplitude)
     for name, quantity in summary.quantities.items():
         kind = "force" if is_force(name) else quantity.unit
-        if wanted and name not in wanted:
+        unsettled = unsettles(summary) and quantity.amplitude > MEAN * abs(quantity.mean)
+        if (name not in wanted) if wanted else unsettled:
             continue
         if quantity.state == "rounding" or (
             not wanted and abs(quantity.mean) + quantity.amplitude < MINOR * largest[kind]
@@ -466,6 +479,11 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
                 f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
             )
     return found
+
+
+def unsettles(summary: Summary) -> bool:
+    """Return whether the amplitude changes so much that it is that of a time, not of a flow."""
+    return abs(summary.amplitude_drift or 0.0) > UNSETTLED
 
 
 def unit_of(name: str, summary: Summary) -> str:
