@@ -4,6 +4,7 @@ import os
 import platform
 import subprocess
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from nervure.resources import SOURCE
@@ -26,8 +27,10 @@ class Machine:
     system: str
 
 
+@cache
 def git_revision() -> Revision | None:
-    """Return the revision of the source tree; None outside git, or where the package is installed from a wheel."""
+    """Return the revision of the source tree when this process first asked, as that of the code it has loaded; None
+    outside git, or where the package is installed from a wheel."""
     if SOURCE is None:
         return None
 

@@ -3,14 +3,19 @@
 import copy
 import json
 import time
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 import nervure
 from nervure import InputError
+from nervure.evaluate.statistics import Window
 from nervure.scene import validate
 from nervure.simulation import sweep, verified
+from nervure.verification import process
 from nervure.verification.plan import Plan, scaled
+from nervure.verification.process import chosen
 from studies import elastica
 from tests.conftest import FLUID_ONLY, nervure as tool
 
@@ -161,3 +166,60 @@ def test_numbers_of_the_method_are_no_physics():
 def test_options_without_a_meaning_are_refused(arguments, words):
     done = tool("verify", "csm1", *arguments)
     assert done.returncode == 2 and words in done.stdout + done.stderr
+
+
+def test_a_flow_shows_one_frequency_that_of_its_periods_and_no_swing_that_dies_away():
+    def signal(mean, amplitude, frequency, unit="N", state="periodic"):
+        return SimpleNamespace(mean=mean, amplitude=amplitude, frequency_hz=frequency, unit=unit, state=state)
+
+    outputs = {"tip_ux": signal(-0.2, 0.1, 0.63, "m"), "tip_uy": signal(0.0, 0.5, 0.31, "m")}
+    outputs |= {"drag": signal(0.9, 0.004, 1.9), "lift": signal(0.0, 0.8, 0.92)}
+    summary: Any = SimpleNamespace(quantities=outputs, window=Window(10.0, 26.0, 5), amplitude_drift=0.02)
+    names = chosen(summary, {}, ())
+    print(names)
+    assert [name for name in names if "frequency" in name] == ["tip_uy_frequency_hz"]
+    assert "drag_mean" in names and "drag_amplitude" not in names
+    assert "lift_frequency_hz" in chosen(summary, {}, ["lift"])
+    summary.amplitude_drift = -0.7
+    assert chosen(summary, {}, ()) == ["drag_mean"] and "tip_uy_amplitude" in chosen(summary, {}, ["tip_uy"])
+
+
+def known_flag(folder, effect):
+    """Return a verification of a flag on three grids of other flows, with c_eta changed by `effect` on the coarsest."""
+    found = process.Verification(nervure.load("flag-line-480x240"), folder, 0.02, 60.0)
+    drags = {"cells=2.83": 1.0, "cells=2": 0.5, "cells=1.41": 0.3, "cells=2.83,c_eta=2": 1.0 + effect}
+    for setting in found.plan.first_settings():
+        if setting.name in drags:
+            found.settings[setting.name] = setting
+            found.rows[setting.name] = {"status": sweep.FINISHED, "drag_mean": drags[setting.name]}
+    found.names, found.units = ["drag_mean"], {"drag_mean": "N"}
+    return found
+
+
+@pytest.mark.parametrize(("effect", "again"), [(1e-3, False), (1.0, True)])
+def test_a_parameter_of_small_effect_on_a_coarse_run_is_not_varied_on_a_finer_one(tmp_path, effect, again):
+    flag = known_flag(tmp_path, effect)
+    known = flag._found()
+    wanted = [one.name for one in flag._next_round(known)]
+    print(wanted, {name: share.uncertainty for name, share in known["drag_mean"].shares.items()})
+    assert "c_eta" in known["drag_mean"].shares and "scene" in wanted
+    assert ("cells=1.41,c_eta=2" in wanted) == again
+
+
+def test_workers_that_were_slow_to_start_are_not_started_again_for_short_runs(bar, tmp_path, monkeypatch):
+    clock, asked = [0.0], []
+
+    def run(*arguments):
+        asked.append(arguments[7])
+        clock[0] += 50.0
+        return []
+
+    monkeypatch.setattr(process, "time", lambda: clock[0])
+    monkeypatch.setattr(sweep, "run", run)
+    found = process.Verification(bar, tmp_path, 0.02, 600.0, workers=2)
+    settings = list(found.plan.first_settings())
+    found.costs.paces.append((settings[0].work, 10.0))
+    for _ in range(2):
+        found._make(settings)
+    print(asked, found.start)
+    assert asked == [2, 1] and found.start == 50.0

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from nervure.errors import InputError
 from nervure.evaluate.statistics import Series
@@ -16,7 +16,7 @@ from nervure.files import write_together
 from nervure.scene import Document, Scene, document, text, validate
 from nervure.scene.facts import Facts
 from nervure.scene.part import refusal
-from nervure.simulation.summary import Summary
+from nervure.simulation.summary import Summary, adapter
 from nervure.units.describe import unit_label
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
@@ -62,7 +62,7 @@ def read(folder: Path) -> Results:
         scene = validate(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         columns, table = _read_series(folder)
-        known = TypeAdapter(Summary).validate_python(summary)
+        known = adapter().validate_python(summary)
     except OSError as error:
         missing = Path(error.filename).name
         raise InputError(f"{folder} holds no results: {missing}: {error.strerror}; `nervure run` makes them") from error

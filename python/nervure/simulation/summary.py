@@ -6,6 +6,7 @@ A field with the default None is left out of the file where it is None.
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -190,8 +191,14 @@ class Summary:
 
     def document(self) -> dict[str, Any]:
         """Return the content of summary.json."""
-        kept: dict[str, Any] = json_numbers(TypeAdapter(Summary).dump_python(self, exclude_defaults=True))
+        kept: dict[str, Any] = json_numbers(adapter().dump_python(self, exclude_defaults=True))
         return kept
+
+
+@cache
+def adapter() -> TypeAdapter[Summary]:
+    """Return the reader and writer of summaries: to make it takes as long as a short run."""
+    return TypeAdapter(Summary)
 
 
 def quantities(facts: Facts) -> list[str]:

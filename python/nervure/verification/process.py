@@ -23,7 +23,8 @@ from nervure.terminal import Console
 from nervure.verification.estimate import combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
-QUICK = 10.0  # Wall time of runs that are made in turn, s: workers would take a third of it to start
+START = 3.0  # Wall time that workers take to start, s, until it is measured
+WORTH = 3  # Ratio to it of the wall time of runs from which on workers make them, not this process in turn
 TRIAL = 0.25  # Largest part of the budget that the first run may take
 ALIKE, MAIN = 0.3, 3  # Largest relative difference of runs of the same flow, in so many of the first quantities
 LEAST = 3  # Runs of the first parameter that are enough
@@ -32,6 +33,8 @@ TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
 MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
 MEAN = 0.1  # The same of a mean beside its own amplitude
+UNSETTLED = 0.3  # Part by which an amplitude changes over the window from which on a swing has no limit
+SAME = 0.1  # Largest relative difference of a frequency from that of the window
 SHARED = 0.5  # Part of the tolerance that a recommended setting leaves to all parameters but the first
 FINEST, FINER = 0.1, 2**0.25  # Smallest recommended size, and ratio of two that are tried
 STATISTICS = ("mean", "amplitude", "frequency_hz")
@@ -100,7 +103,9 @@ class Verification:
         self.ratio = self.plan.levels[-2] / self.plan.levels[-1]
         self.names: list[str] = []
         self.units: dict[str, str] = {}
+        self.drift: float | None = None  # Of a finest run that is not settled
         self.problems: list[str] = []
+        self.start = START  # Wall time that workers take to start, s
         self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
 
     @property
@@ -189,7 +194,9 @@ class Verification:
         cases = {name: self._case(setting) for name, setting in self.settings.items()}
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
         expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
-        in_turn = len(missing) == 1 or expected < QUICK or (self.workers is None and not find_spec("distributed"))
+        short = len(missing) == 1 or expected < WORTH * self.start
+        in_turn = short or (self.workers is None and not find_spec("distributed"))
+        begin = time()
         with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
             rows = sweep.run(
                 list(cases.values()),
@@ -203,6 +210,8 @@ class Verification:
                 lambda case: self._allowed(self.settings[case.folder]),
                 self.begin + self.budget,
             )
+        spent = sum(row["wall_s"] for row in rows if row["folder"] not in self.rows)
+        self.start = self.start if in_turn else max(self.start, time() - begin - spent)
         for row in rows:
             setting = self.settings[row["folder"]]
             if row["status"] == FINISHED and row["folder"] not in self.rows:
@@ -227,6 +236,7 @@ class Verification:
         finest = results.read(self.folder / sequence[0].name).summary
         self.names = chosen(finest, self.rows[sequence[0].name], self.quantities)
         self.units = {name: unit_of(name, finest) for name in self.names}
+        self.drift = finest.amplitude_drift if unsettles(finest) else None
         for folder in self._finished():
             if missing := [name for name in self.names if (folder, name) not in self.noise]:
                 made = results.read(self.folder / folder)
@@ -244,8 +254,7 @@ class Verification:
         if parameter == self.plan.first.name:
             noise = [self.noise.get((one.name, name), 0.0) for one in having]
         else:  # They differ little, so their statistical errors are the same, and relative changes hold on finer cells
-            noise, base = [0.0 for _ in having], self._base()
-            pair = base or having[0], self._sequence()[0]
+            noise, pair = [0.0 for _ in having], (min(having, key=lambda one: len(one.factors)), self._sequence()[0])
             own, finest = (abs(self.rows[one.name].get(name) or 0.0) for one in pair)
             values = [value * min(1.0, finest / own) if own else value for value in values]
         return estimate([one.sizes[parameter] for one in having], values, noise)
@@ -297,11 +306,15 @@ class Verification:
         return all(one is not None and abs(one - other) <= ALIKE * abs(other) for one, other in pairs[:MAIN])
 
     def _beside(self, parameter: Parameter) -> list[Setting]:
-        """Return the finished settings in which at most `parameter` differs from the coarse one."""
-        if (base := self._base()) is None:
-            return []
+        """Return the finished settings in which at most `parameter` differs from the coarse one, or where it did not
+        change there, from a coarser one where it did."""
+        base, first = self._base(), self.plan.first.name
         done = [self.settings[name] for name in self._finished()]
-        return [one for one in done if {k: v for k, v in one.factors.items() if k != parameter.name} == base.factors]
+        found = list[list[Setting]]()
+        for origin in [one for one in self._sequence() if base and one.sizes[first] >= base.sizes[first]]:
+            differ = ({k: v for k, v in one.factors.items() if k != parameter.name} == origin.factors for one in done)
+            found.append([one for one, same in zip(done, differ, strict=True) if same])
+        return next((runs for runs in found if len(runs) > 1), found[0] if found else [])
 
     def _reached(self, found: dict[str, Quantity]) -> bool:
         first = self.plan.first.name
@@ -313,19 +326,19 @@ class Verification:
     def _next_round(self, found: dict[str, Quantity]) -> list[Setting]:
         """Return the next settings: of parameters without a second run, and finer ones of those that make most of the
         bars that are too wide."""
-        base = self._base()
-        alone = [one for one in self.plan.others if len(self._beside(one)) < 2 and one.name not in self.plan.left_out]
-        if base and base.factors.get(self.plan.first.name, 1.0) < self.plan.levels[1]:
-            alone = [one for one in alone if not is_part(one.name, self.plan.sizes)]  # Too expensive there
-        wanted = list(self.plan.beside(base, alone)) if base else []
+        base, first, wanted = self._base(), self.plan.first, list[Setting]()
         wide = [one for one in found.values() if one.uncertainty > self.within * one.scale]
-        limit, first = self.within / ROOT2, self.plan.first
+        costly = base is not None and base.factors.get(first.name, 1.0) < self.plan.levels[1]
         for parameter in self.plan.parameters:
-            shares = [(one, share) for one in wide if (share := one.shares.get(parameter.name))]
-            enough = all(share.uncertainty <= limit * one.scale for one, share in shares)
-            few = parameter is first and len(self._sequence()) < LEAST
-            if (few or not enough) and not is_part(parameter.name, self.plan.sizes):
-                wanted += [finer] if (finer := self._finer(parameter)) else []
+            part, beside = is_part(parameter.name, self.plan.sizes), self._beside(parameter)
+            few = len(self._sequence() if parameter is first else beside) < (LEAST if parameter is first else 2)
+            if not few and (part or not _matters(wide, parameter.name, self.within / ROOT2)):
+                continue
+            if base and parameter is not first and (few or base not in beside):
+                known = parameter.name in self.plan.left_out or (part and costly)
+                wanted += [] if known else self.plan.beside(base, [parameter])
+            elif finer := self._finer(parameter):
+                wanted.append(finer)
         return [one for one in wanted if one.name not in self.settings]
 
     def _finer(self, parameter: Parameter) -> Setting | None:
@@ -349,8 +362,17 @@ class Verification:
         runs = [(self.settings[name], row) for name, row in self.rows.items()]
         self.problems += [f"not varied: {name}: {why}" for name, why in self.plan.left_out.items()]
         self.problems += [f"the budget ended: {why}" for why in self.refused.values()]
+        if self.drift is not None:
+            self.problems.append(
+                f"over its window the finest run changes by {self.drift:+.0%} of its amplitude: what swings has no "
+                "limit unless it is named, and a wide bar then; take a larger `time.end`"
+            )
         if not found:
-            what = "fewer than two runs gave values" if self.names else "the outputs that are wanted are rounding"
+            what = (
+                "fewer than two runs gave values"
+                if self.names
+                else "the outputs that are wanted are rounding, or not settled"
+            )
             self.problems.append(f"nothing is known of errors: {what}")
             return Outcome(None, self.plan, runs, None, [], self.problems)
         recommended, front = self._recommend(found)
@@ -398,6 +420,15 @@ class Verification:
         return (best[2], best[1], best[0]) if best else None, [(wall, error) for wall, error, _ in front]
 
 
+def _matters(wide: Sequence[Quantity], parameter: str, limit: float) -> bool:
+    """Return whether a parameter makes much of a bar that is too wide: more than `limit`, and half as much as any."""
+    for one in wide:
+        bars = {name: share.uncertainty for name, share in one.shares.items() if not is_part(name, one.shares)}
+        if bars.get(parameter, 0.0) > max(limit * one.scale, max(bars.values()) / 2):
+            return True
+    return False
+
+
 def _beyond(found: dict[str, Quantity], parameter: str, within: float) -> bool:
     """Return whether the bar by a parameter is wider than its part of the tolerance."""
     shares = [(one, share) for one in found.values() if (share := one.shares.get(parameter))]
@@ -414,25 +445,30 @@ def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) 
 
 def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
     """Return the columns of the table of runs that are verified: those of the `wanted` outputs, or of all outputs that
-    are not small beside others of their unit."""
-    found = []
+    are settled and not small beside others of their unit. Of these one shows the frequency, that of the periods of the
+    window: the others have it too or a multiple, and noise may change which."""
+    found, window = [], summary.window
+    pace = window.periods / (window.end - window.begin) if window else 0.0
+    frequencies = {name: one.frequency_hz or 0.0 for name, one in summary.quantities.items()}
+    main = next((name for name, one in frequencies.items() if abs(one - pace) < SAME * pace), None)
     largest: dict[str, float] = {}
     for name, quantity in summary.quantities.items():
         kind = "force" if is_force(name) else quantity.unit
         largest[kind] = max(largest.get(kind, 0.0), abs(quantity.mean) + quantity.amplitude)
     for name, quantity in summary.quantities.items():
         kind = "force" if is_force(name) else quantity.unit
-        if wanted and name not in wanted:
+        unsettled = unsettles(summary) and quantity.amplitude > MEAN * abs(quantity.mean)
+        if (name not in wanted) if wanted else unsettled:
             continue
         if quantity.state == "rounding" or (
             not wanted and abs(quantity.mean) + quantity.amplitude < MINOR * largest[kind]
         ):
             continue
-        swings = quantity.frequency_hz is not None
+        swings = quantity.frequency_hz is not None and (wanted or quantity.amplitude >= MINOR * largest[kind])
         if not swings or abs(quantity.mean) >= MEAN * quantity.amplitude:
             found.append(f"{name}_mean")
         if swings:
-            regular = wanted or quantity.state in ("periodic", "drifting")
+            regular = wanted or (name == main and quantity.state in ("periodic", "drifting"))
             found += [f"{name}_amplitude", *([f"{name}_frequency_hz"] if regular else [])]
     for name in wanted:
         if name in row and name not in found:
@@ -443,6 +479,11 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
                 f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
             )
     return found
+
+
+def unsettles(summary: Summary) -> bool:
+    """Return whether the amplitude changes so much that it is that of a time, not of a flow."""
+    return abs(summary.amplitude_drift or 0.0) > UNSETTLED
 
 
 def unit_of(name: str, summary: Summary) -> str:
