@@ -247,6 +247,15 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
     assert np.abs(ends[0][0]).max() > 0.01
 
 
+def test_a_flyer_whose_fluid_takes_two_steps_is_refused():
+    body, motion, _ = LIGHT_SPHERE
+    scene = {"name": "seldom", "time": {"end": 1.0, "communication_step": 0.02}}
+    scene["fluid"] = box() | {"bodies": [{"position": [0.0] * 3, "pivot": [0.0] * 3, "motion": "master"} | body]}
+    scene["flyer"] = motion | {"shape": 0, "hinges": []}
+    with pytest.raises(SceneError, match="a coupled fluid makes one step in it: it must be <= `max_step`, 0.01"):
+        describe("body", scene)
+
+
 def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
     """Mirror images stay mirror images, and a light wing is stable in the fluid."""
     scene = pair(0.2)

@@ -128,7 +128,8 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
     }
     let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wings().next().is_some() || several);
     faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
-    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| coupled && fluid.is_space()) {
+    let announces = coupled || scene.flyer.as_ref().is_some_and(|flyer| flyer.shape.is_some());
+    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| announces && fluid.is_space()) {
         let (step, longest) = (scene.time.communication_step, fluid.time_stepping.max_step);
         faults.require(step <= longest * (1.0 + ROUNDING), "time.communication_step", step, || {
             format!("in space a coupled fluid makes one step in it: it must be <= `max_step`, {longest}")
