@@ -97,7 +97,9 @@ def show_scene(console: Console, scene: Scene) -> None:
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {beam.segments + 1} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
     if mesh := facts.wing:
-        extent = " x ".join(f"{length:.3g}" for length in np.ptp(mesh.nodes, axis=0))
+        lengths = np.ptp(mesh.nodes, axis=0)
+        lengths[lengths < 1e-9 * lengths.max()] = 0.0  # Rounding of a turned root
+        extent = " x ".join(f"{length:.3g}" for length in lengths)
         size = f"{extent} m, {len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
         if scene.wing and scene.wing.regions:
             names = [region.name for region in scene.wing.regions]
