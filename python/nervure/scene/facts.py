@@ -92,7 +92,7 @@ class WingMesh:
         found = []
         while after:
             around = [min(after)]
-            while (node := after.pop(around[-1])) != around[0]:
+            while (node := after.pop(around[-1], around[0])) != around[0]:  # Parts may share a node
                 around.append(node)
             found.append(np.array(around))
         return found
