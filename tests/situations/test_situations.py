@@ -127,8 +127,8 @@ def test_short_waves_of_the_flow_are_told_and_the_step_that_is_named_damps_them(
                 "c_eta": 1e-2,
             },
             "disturbance": 0.01,
-            "mask": {"log_linear": {"c_eta": 1e-3}},
-            "time_stepping": {"max_cfl": 0.4},
+            "mask": {"log_linear": {"c_eta": 1e-2}},
+            "time_stepping": {"scheme": "rk2", "max_cfl": 0.4},
         },
     }
 

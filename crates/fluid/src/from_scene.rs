@@ -89,7 +89,7 @@ where
         threads: fluid.threads,
         scheme: time.scheme,
         max_step: time.max_step,
-        max_cfl: time.max_cfl,
+        max_cfl: scene.largest_cfl(fluid),
         loads: scene.load().is_none_or(|load| load == Load::Momentum),
         pressure_around: scene.axial_pressure_strain(),
         ..Parameters::new(domain, components(&fluid.r#box.cells), fluid.density, fluid.kinematic_viscosity, step)

@@ -134,6 +134,15 @@ impl TimeScheme {
         }
     }
 
+    /// Return the largest CFL number in a fluid without bodies, where a stream may be as fast everywhere as the CFL
+    /// number counts: with `sbdf2` that above which waves grow without viscosity.
+    pub fn largest_cfl_without_bodies(self) -> f64 {
+        match self {
+            Self::Sbdf2 => 0.25,
+            Self::Rk2 => self.largest_cfl(),
+        }
+    }
+
     /// Return the name in scene files.
     pub fn name(self) -> &'static str {
         match self {

@@ -183,7 +183,7 @@ impl Scene {
         let scales = scales(self, stream);
         let dimensionless = self.fluid.as_ref().map(|fluid| dimensionless(self, fluid, &beams, &streams, &scales));
         let fluid_steps = match (&self.fluid, &dimensionless) {
-            (Some(fluid), Some(numbers)) => fluid_steps(self.time.communication_step, fluid, numbers.cfl),
+            (Some(fluid), Some(numbers)) => fluid_steps(self, fluid, numbers.cfl),
             _ => 1,
         };
         let mut warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
@@ -254,10 +254,10 @@ fn thicknesses(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts]) -> Vec<f64> {
 }
 
 /// Return the number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
-fn fluid_steps(step: f64, fluid: &Fluid, cfl: Option<f64>) -> u64 {
+fn fluid_steps(scene: &Scene, fluid: &Fluid, cfl: Option<f64>) -> u64 {
     let at_least_one = |ratio: f64| (ratio - ROUNDING).ceil().max(1.0);
-    let stepping = &fluid.time_stepping;
-    (at_least_one(step / stepping.max_step) * at_least_one(cfl.unwrap_or(0.0) / stepping.max_cfl)) as u64
+    let (step, longest) = (scene.time.communication_step, fluid.time_stepping.max_step);
+    (at_least_one(step / longest) * at_least_one(cfl.unwrap_or(0.0) / scene.largest_cfl(fluid))) as u64
 }
 
 fn dimensionless(

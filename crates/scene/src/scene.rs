@@ -11,6 +11,7 @@ use crate::flyer::Flyer;
 use crate::reference::Reference;
 use crate::rod::Rod;
 use crate::rods::NamedRod;
+use crate::stepping::TimeStepping;
 use crate::wing::Wing;
 use crate::wings::NamedWing;
 
@@ -165,6 +166,13 @@ impl Scene {
     pub fn followed(&self) -> Option<Followed> {
         let name = self.fluid.as_ref()?.fine_box.as_ref()?.follow.as_ref()?;
         self.followable().into_iter().find(|(own, _)| own == name).map(|(_, part)| part)
+    }
+
+    /// Return the CFL number that divides the steps of the fluid: `max_cfl`, less without bodies.
+    pub fn largest_cfl(&self, fluid: &Fluid) -> f64 {
+        let TimeStepping { max_cfl, scheme, .. } = fluid.time_stepping;
+        let parts = fluid.obstacles().count() + self.beams().count() + self.wings().count();
+        if parts == 0 { max_cfl.min(scheme.largest_cfl_without_bodies()) } else { max_cfl }
     }
 
     /// Return the beams in the order in which the fluid counts them: `beam`, or the beams of `rods`.

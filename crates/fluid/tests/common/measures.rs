@@ -7,7 +7,7 @@ use nervure_fluid::Fluid;
 use rustfft::num_complex::Complex64;
 use scene::{Filter, Mask, TimeScheme, WallCorrection};
 
-use crate::common::{fluid_of, run, scene, spectrum};
+use crate::common::{fluid_of, run, scene, spectrum, unlimited_fluid_of};
 
 pub const CYLINDER_IN_CHANNEL: &str = r#"
     "kinematic_viscosity": 1e-3,
@@ -107,9 +107,8 @@ pub fn arrays() -> f64 {
 pub fn noise(filter: Filter) -> Fluid {
     let text = r#""kinematic_viscosity": 1e-30, "box": { "x": [0, 6], "y": [0, 4], "cells": [48, 30] }"#;
     let mut scene = scene(text, "");
-    let part = scene.fluid.as_mut().expect("it has one");
-    (part.filter, part.time_stepping.max_cfl) = (filter, 1e9);
-    let mut fluid = fluid_of(&scene);
+    scene.fluid.as_mut().expect("it has one").filter = filter;
+    let mut fluid = unlimited_fluid_of(&scene);
     let mut seed = 1_u32;
     let seed = std::cell::RefCell::new(&mut seed);
     fluid.set_velocity(|[_, _]| {

@@ -23,6 +23,14 @@ pub fn fluid_of(scene: &Scene) -> Fluid {
     fluid.unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// Make the fluid of a scene with steps of any CFL number, which a scene may not have.
+#[allow(dead_code, reason = "not every test needs it")]
+pub fn unlimited_fluid_of(scene: &Scene) -> Fluid {
+    let unlimited = |parameters| Parameters { max_cfl: 1e9, ..parameters };
+    let fluid = Parameters::<2>::try_from(scene).map(unlimited).and_then(|parameters| Fluid::new(&parameters));
+    fluid.unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Make some steps of `h` seconds.
 #[allow(dead_code, reason = "not every test needs it")]
 pub fn run(fluid: &mut Fluid, steps: usize, h: f64) {
