@@ -16,7 +16,7 @@ from latex2mathml.converter import convert
 FONT = "STIXTwoMath-Regular.ttf"  # Of the package ziamath, under the SIL Open Font License; site.css names it
 CODE = re.compile(r"(^```.*?^```$|`[^`\n]*`)", re.DOTALL | re.MULTILINE)
 BLOCK = re.compile(r"^\$\$\n(.*?)\n\$\$$", re.DOTALL | re.MULTILINE)
-INLINE = re.compile(r"\$(?=\S)([^$\n]+?)(?<=\S)\$")
+INLINE = re.compile(r"\$(?=\S)((?:[^$\n]|\n(?!\n))+?)(?<=\S)\$")  # May break at the end of a line
 
 
 def converted(page: str) -> str:
@@ -27,7 +27,10 @@ def converted(page: str) -> str:
 def _in_text(text: str) -> str:
     text = BLOCK.sub(lambda found: f'<div class="equation">{convert(found[1], display="block")}</div>', text)
     # Markdown takes a `math` at the beginning of a line for a block of its own.
-    return INLINE.sub(lambda found: f"<span>{convert(found[1])}</span>", text)
+    text = INLINE.sub(lambda found: f"<span>{convert(found[1])}</span>", text)
+    if "$" in text:
+        raise SystemExit(f"this is no equation: {text[text.index('$') :].splitlines()[0]}")
+    return text
 
 
 if __name__ == "__main__":
