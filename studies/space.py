@@ -85,7 +85,7 @@ CASES: dict[str, tuple[str, Changes]] = {
     **{f"sheet/{angle}°": (PLATE, SHEET | turned(angle)) for angle in PLATES},
     "sheet/30°, 192x144x144": (PLATE, SHEET | turned(30) | grid([192, 144, 144], 0.0125)),
     **{f"sheet/{angle}°, 12 fine cells": (PLATE, SHEET | FAR | turned(angle) | fine(2, 0.017)) for angle in PLATES},
-    "sheet/30°, 24 fine cells": (PLATE, SHEET | FAR | turned(30) | fine(4, 0.0085)),
+    **{f"sheet/{angle}°, 24 fine cells": (PLATE, SHEET | FAR | turned(angle) | fine(4, 0.0085)) for angle in PLATES},
     "rolling/16 fine cells": (ROLLING, {"fluid.fine_box.ratio": 2, "fluid.mask.log_linear.c_eta": 2.2e-4}),
     "rolling/32 fine cells": (ROLLING, {}),
     **{f"hanging/160x160x48, U {speed}": (HANGING, stream(speed)) for speed in SPEEDS},

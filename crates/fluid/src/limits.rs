@@ -80,7 +80,7 @@ impl StepLimits {
         Ok((h / largest - 1e-9).ceil().max(1.0))
     }
 
-    /// Refuse `displacements` of the bodies that laws do not move which are not finite or lead far outside the domain.
+    /// Refuse `displacements` by the master that are not finite or lead far outside the domain.
     pub fn check_displacements<'a, const D: usize>(
         &self,
         carried: impl Iterator<Item = &'a Rigid<D>>,
@@ -90,7 +90,7 @@ impl StepLimits {
     where
         [f64; D]: Space<D>,
     {
-        for (rigid, displacement) in carried.zip(displacements) {
+        for (rigid, displacement) in carried.zip(displacements).filter(|(rigid, _)| rigid.mount().is_none()) {
             let (places, rates) = (displacement.places(), displacement.rates());
             let finite = places.iter().chain(&rates).all(|value| value.is_finite());
             if !finite || is_far(rigid.pose_of(displacement).position.into(), grid) {

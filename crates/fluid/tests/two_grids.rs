@@ -386,6 +386,22 @@ where
 }
 
 #[test]
+fn a_box_follows_a_falling_body_farther_than_its_own_size() {
+    let h = 0.0125;
+    let mut parameters = driven(12, 2, h);
+    parameters.fine_box.iter_mut().for_each(|fine| (fine.first, fine.cells) = ([12, 24], [24; 2]));
+    let free = Some(Support { stiffness: 0.0, damping: 0.0, rest: 0.0 });
+    let supports = [free, free, None, None, None, None];
+    parameters.bodies[0].motion =
+        Some(Motion::Mount(Mount { mass: 8.0, inertia: 0.0, supports, gravity: [-12.0, 0.0] }));
+    let mut fluid = new(&parameters);
+    let from = [fluid.pose(0).position[0], fluid.grid_of_bodies().point(0)[0]];
+    advance(&mut fluid, 120, h);
+    let [way, gone] = [from[0] - fluid.pose(0).position[0], from[1] - fluid.grid_of_bodies().point(0)[0]];
+    assert!(way > 6.5 && (way - gone).abs() < 0.2, "the body {way} m, the box of 4 m {gone} m");
+}
+
+#[test]
 fn a_box_follows_bodies_of_every_kind() {
     let h = 0.0125;
     let mut parameters = driven(12, 2, h);

@@ -325,7 +325,7 @@ fn of_rim(fluid: &Fluid, bounds: &[[f64; 2]; 3]) -> Option<String> {
         .filter(|((inner, own), _)| own[0] < inner[0] || own[1] > inner[1])
         .map(|((inner, own), axis)| {
             let [own, inner] = [own, &inner].map(|ends| shown(ends));
-            format!("reaches over {axis} {own}, but the rim of `fine_box` leaves {axis} {inner}")
+            format!("it reaches over {axis} {own}, and the rim of `fine_box` leaves {axis} {inner}")
         })
         .next()
 }
