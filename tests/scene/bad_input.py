@@ -168,6 +168,8 @@ TYPES = [
 """Values that types and ranges do not allow."""
 
 RELATIONS = [
+    (CSM1, 'display={"length": "mm", "time": "s"}'),
+    (VEIN, "display.time=ms"),
     (FSI3, f'{BODY}, {CIRCLE}, "motion": "master", "mount": {{"mass": 9, "y": {{}}}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "angle": {{}}}}}}]'),

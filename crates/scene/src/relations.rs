@@ -14,7 +14,7 @@ use crate::load::Weight;
 use crate::places;
 use crate::rod::{Material, Rod};
 use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
-use crate::scene::{BeamWithRod, Scene, Time};
+use crate::scene::{BeamWithRod, Display, Scene, Time};
 use crate::stepping::TimeStepping;
 use crate::wing::WingMesh;
 
@@ -45,6 +45,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         check_beam(scene, &own, faults);
     }
     contact_checks::check(scene, faults);
+    check_display(scene, faults);
     check_substeps(scene, faults);
     scene.reference.check_at("reference", faults);
     if faults.len() == 0 {
@@ -328,6 +329,21 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
              it must be >= {least:.3e}"
         )
     });
+}
+
+/// Check that the words for a length and a time of 1 are no other units, in which the numbers would be read.
+fn check_display(scene: &Scene, faults: &mut Faults) {
+    let Some(Display { length, time }) = &scene.display else { return };
+    for (key, word, si, units) in [
+        ("display.length", length, "1 m", ["nm", "um", "µm", "mm", "cm", "dm", "km"].as_slice()),
+        ("display.time", time, "1 s", &["ns", "us", "µs", "ms", "min", "h"]),
+    ] {
+        faults.require(!units.contains(&word.as_str()), key, format!("\"{word}\""), || {
+            format!(
+                "it is the word for {si} in a scene of other scales, such as a chord; leave out `display` for SI units"
+            )
+        });
+    }
 }
 
 /// Check that published values are of quantities that a run evaluates, in their units.
