@@ -261,6 +261,9 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
+	$(NERVURE) run examples/plate-falling.json --fields-every 0.02 --output results/plate-falling --force --quiet
+	$(NERVURE) animate results/plate-falling --begin 0.2 --end 1.2 --crop=-0.035,0.035,-0.17,0
+	$(RUN) site/small_gif.py results/plate-falling docs/pictures
 
 gallery-space: build $(READY_DEV) ## make the pictures of wing, flyer and plate in docs/pictures; needs pyvista
 	$(NERVURE) build wing-hover-64x64x84 --output results/space/units
