@@ -46,6 +46,7 @@ mod two_grids;
 mod wall;
 mod zone;
 
+pub use ::contact::{BodyFilm, BodyLaw};
 pub use ::rigid::Pose;
 pub use error::Error;
 pub use fluid::Fluid;
@@ -54,7 +55,7 @@ pub use geometry::plane::Outline;
 pub use geometry::space::Solid;
 pub use grid::Grid;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
-pub use parameters::{Body, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
+pub use parameters::{Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
 pub use space::{Kinematics, Space, Spin, Turn};
