@@ -16,6 +16,7 @@ use crate::present::{Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
 use crate::problem::Problem;
+use crate::rod_contact::RodContact;
 use crate::solver::{FluidSolver, Solvable};
 use crate::state::State;
 use crate::stations::{Loads, Stations};
@@ -52,6 +53,8 @@ where
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
+    /// Contact of flexible lines with each other; absent without.
+    rod_contact: Option<RodContact>,
     limits: StepLimits,
     bytes_per_number: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
@@ -146,6 +149,7 @@ where
                 displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
+            rod_contact: RodContact::new(parameters),
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
@@ -230,6 +234,10 @@ where
     fn predict_loads(&mut self) {
         let dt = if self.present.step > 0.0 { self.present.step } else { self.limits.usual_step };
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
+        let flexible = &mut self.present.flexible;
+        if let Some(contact) = self.rod_contact.as_ref().filter(|_| !flexible.loads.is_empty()) {
+            contact.add(&flexible.stations, &mut flexible.loads);
+        }
     }
 
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).

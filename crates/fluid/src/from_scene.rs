@@ -5,12 +5,14 @@
 
 use std::sync::Arc;
 
-use contact::{BodyFilm, BodyLaw};
+use contact::{BodyFilm, BodyLaw, largest_stiffness};
 use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
-use crate::parameters::{Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
+use crate::parameters::{
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone,
+};
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
 
@@ -176,7 +178,7 @@ fn contact<const D: usize>(
 where
     [f64; D]: Space<D>,
 {
-    let own = scene.contact.as_ref().filter(|_| fluid.bodies.iter().any(|body| body.mount.is_some()))?;
+    let own = scene.contact.as_ref()?;
     let film = |film: scene::Film| BodyFilm {
         viscosity: fluid.density * fluid.kinematic_viscosity,
         range: scene::Contact::two_cells(fluid),
@@ -191,7 +193,20 @@ where
         dt: fluid.time_stepping.max_step.min(scene.time.communication_step),
     };
     let walls = fluid.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
-    Some(Contact { law, obstacles: make(&own.obstacles), walls: std::array::from_fn(|axis| walls[axis]) })
+    let skin = |beam: scene::BeamWithRod| {
+        let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
+        // The fluid beside a light line is as slow.
+        let mass = beam.line_density()? + fluid.density * law.range.powi(D as i32 - 1);
+        let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
+        Some(Skin { radius, largest_stiffness })
+    };
+    Some(Contact {
+        law,
+        obstacles: make(&own.obstacles),
+        walls: std::array::from_fn(|axis| walls[axis]),
+        rod_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
+        skins: scene.beams_with_rods().map(skin).collect(),
+    })
 }
 
 /// Return bodies of a scene, with their shapes, turns at rest and axes of their motions, each with a name and its number.

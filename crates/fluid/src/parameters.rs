@@ -160,7 +160,8 @@ where
     pub announces: bool,
 }
 
-/// Contact of bodies on a mount, with each other, with all other bodies, and with walls.
+/// Contact of bodies on a mount with each other, with all other bodies, and with walls; and of flexible lines with each
+/// other.
 #[derive(Clone, Debug)]
 pub struct Contact<const D: usize = 2>
 where
@@ -172,6 +173,19 @@ where
     pub obstacles: Vec<Body<D>>,
     /// Lower and upper wall along each axis, m; absent: none.
     pub walls: [Option<[f64; 2]>; D],
+    /// Stiffness of flexible lines per metre where they meet, N/m²; it acts at most as that of their skins.
+    pub rod_stiffness: f64,
+    /// Skin of each flexible body; absent: it touches no other one.
+    pub skins: Vec<Option<Skin>>,
+}
+
+/// Skin by which a flexible line touches others.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// Half the thickness at the nodes, m.
+    pub radius: Vec<f64>,
+    /// Stiffness per metre with which a contact with a wall lasts ten communication steps, N/m².
+    pub largest_stiffness: f64,
 }
 
 /// How a body moves.

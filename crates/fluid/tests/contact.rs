@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nervure_fluid::{Fluid, Parameters, Solvable};
+use nervure_fluid::{BodyLaw, Contact, Extent, Flexible, Fluid, Parameters, Skin, Solvable};
 use scene::Scene;
 
 /// A scene of bodies in a closed box of fluid with cells of 0.1 m.
@@ -122,5 +122,59 @@ fn shapes_that_cannot_touch_are_refused_in_words() {
     ] {
         let refused = scene(&bodies, r#""contact": {},"#, "").expect_err("it is refused");
         assert!(refused.contains(sentence), "{refused}");
+    }
+}
+
+/// Two lines of a light and a heavy rod, each of which moves along y as a whole under the loads that the fluid announces,
+/// like a rod of another maker: return the least distance, and the energy at the end by that at
+/// the start.
+fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
+    let (h, mass, radius, range) = (5e-3, 2.0, 0.02, 0.2);
+    let mut parameters = Parameters::new([[-1.0, 1.0], [-1.5, 1.5]], [20, 30], 1e-2, 1e-3, h);
+    let line = |y: f64| Flexible {
+        name: "a line".into(),
+        nodes: (0..9).map(|k| [0.1 * f64::from(k) - 0.4, y]).collect(),
+        extent: Extent::Line { free: [true; 2] },
+        pivot: None,
+    };
+    parameters.flexible = vec![line(0.3), line(-0.3)];
+    parameters.contact = contact.map(|stiffness| Contact {
+        law: BodyLaw { range, stiffness, damping: 0.0, friction: 0.0, film: None, dt: h },
+        obstacles: vec![],
+        walls: [None; 2],
+        rod_stiffness: stiffness,
+        skins: [mass, ratio * mass]
+            .map(|mass| Some(Skin { radius: vec![radius; 9], largest_stiffness: mass * (PI / (10.0 * h)).powi(2) }))
+            .into(),
+    });
+    let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+    let (mut y, mut v, masses, mut least) = ([0.3, -0.3], [-1.0, 0.0], [0.8 * mass, 0.8 * ratio * mass], f64::INFINITY);
+    for _ in 0..300 {
+        for k in 0..2 {
+            let loads = &fluid.loads()[k];
+            let [force, rate] = [&loads.force[1], &loads.impedance].map(|of| of.iter().sum::<f64>());
+            v[k] += force / (masses[k] / h + rate);
+            y[k] += h * v[k];
+            let to = &mut fluid.stations_mut()[k];
+            to.position[1].fill(y[k]);
+            to.velocity[1].fill(v[k]);
+        }
+        let t = fluid.time();
+        fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        least = least.min(y[0] - y[1]);
+    }
+    let energy = |v: [f64; 2]| (masses[0] * v[0] * v[0] + masses[1] * v[1] * v[1]) / masses[0];
+    [least, energy(v)]
+}
+
+#[test]
+fn the_fluid_keeps_lines_of_two_units_apart() {
+    for ratio in [0.1, 1.0, 10.0] {
+        for stiffness in [1e3, f64::INFINITY] {
+            let [least, energy] = lines_that_meet(Some(stiffness), ratio);
+            assert!(least > 0.12 && energy < 1.0, "a distance of {least} m, {energy} of the energy at the start");
+        }
+        let [least, _] = lines_that_meet(None, ratio);
+        assert!(least < 0.1, "without contact they stay {least} m apart");
     }
 }

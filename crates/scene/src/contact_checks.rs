@@ -37,11 +37,18 @@ impl Contact {
 
     /// Return the stiffness per metre of a rod of this scene, N/m².
     pub fn stiffness(&self, scene: &Scene, own: &BeamWithRod) -> f64 {
-        let Some(rod) = own.rod else { return 0.0 };
-        let density = |s: f64| rod.material.section(&own.beam.thickness, s).line_density;
-        let lightest = own.beam.places().map(density).fold(f64::INFINITY, f64::min);
+        let (Some(rod), Some(lightest)) = (own.rod, own.line_density()) else { return 0.0 };
         let step = rod.max_step.unwrap_or(f64::INFINITY).min(scene.time.communication_step);
         self.stiffness.unwrap_or(lightest * (std::f64::consts::PI / (STEPS * step)).powi(2))
+    }
+}
+
+impl BeamWithRod<'_> {
+    /// Return the least mass per metre of the rod, kg/m; none of a rigid beam.
+    pub fn line_density(&self) -> Option<f64> {
+        let rod = self.rod?;
+        let density = |s: f64| rod.material.section(&self.beam.thickness, s).line_density;
+        Some(self.beam.places().map(density).fold(f64::INFINITY, f64::min))
     }
 }
 

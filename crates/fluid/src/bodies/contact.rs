@@ -30,7 +30,7 @@ where
     /// [`Error::Touch`] for bodies that cannot touch.
     pub fn new(parameters: &Parameters<D>) -> Result<Option<Self>, Error> {
         let on_mount = |body: &Body<D>| matches!(body.motion, Some(Motion::Mount(_)));
-        let Some(Contact { law, obstacles, walls }) = &parameters.contact else { return Ok(None) };
+        let Some(Contact { law, obstacles, walls, .. }) = &parameters.contact else { return Ok(None) };
         if !parameters.bodies.iter().any(on_mount) {
             return Ok(None);
         }
