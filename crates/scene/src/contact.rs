@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::Body;
 
 /// Contact of rods with themselves, and of rods and bodies on a mount with walls, cylinders and bodies of the fluid that
-/// are still or moved by laws; of bodies on a mount with each other, too.
+/// are still or moved by laws; in a fluid also of rods with each other, and of bodies on a mount with each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
