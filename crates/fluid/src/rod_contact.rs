@@ -7,6 +7,7 @@
 
 use contact::{Before, Law};
 
+use crate::force::Exchange;
 use crate::parameters::{Flexible, Parameters, Skin};
 use crate::space::{Space, Vector};
 use crate::stations::{Loads, Stations};
@@ -15,10 +16,12 @@ use crate::stations::{Loads, Stations};
 const RATE: f64 = 2.0;
 
 /// Contact of lines.
-pub struct RodContact {
+pub struct RodContact<const D: usize> {
     lines: Vec<Line>,
     /// Numbers of two lines, with their force per metre.
     pairs: Vec<([usize; 2], Law)>,
+    /// Its part of the announced loads of each flexible body.
+    loads: Vec<Loads<D>>,
     /// Communication step, s.
     dt: f64,
 }
@@ -40,12 +43,12 @@ struct Spot {
     share: f64,
 }
 
-impl RodContact {
+impl<const D: usize> RodContact<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Return the contact of the lines that have a skin; none of fewer than two.
-    pub fn new<const D: usize>(parameters: &Parameters<D>) -> Option<Self>
-    where
-        [f64; D]: Space<D>,
-    {
+    pub fn new(parameters: &Parameters<D>) -> Option<Self> {
         let own = parameters.contact.as_ref()?;
         let skins: Vec<_> = own.skins.iter().enumerate().filter_map(|(k, skin)| Some((k, skin.as_ref()?))).collect();
         let mut pairs = Vec::new();
@@ -64,46 +67,84 @@ impl RodContact {
             radius: skin.radius.clone(),
         };
         let lines = skins.into_iter().map(line).collect();
-        (!pairs.is_empty()).then_some(Self { lines, pairs, dt: parameters.communication_step })
+        let loads = parameters.flexible.iter().map(|body| Loads::none(body.nodes.len())).collect();
+        (!pairs.is_empty()).then_some(Self { lines, pairs, loads, dt: parameters.communication_step })
     }
 
-    /// Add the contact at these stations to the loads of the coming step.
-    pub fn add<const D: usize>(&self, stations: &[Stations<D>], loads: &mut [Loads<D>]) {
-        for ([i, j], law) in &self.pairs {
+    /// Find the contact at these stations for the coming step.
+    pub fn find(&mut self, stations: &[Stations<D>]) {
+        self.clear();
+        let Self { lines, pairs, loads, dt } = self;
+        for ([i, j], law) in pairs {
             for [of, on] in [[*i, *j], [*j, *i]] {
-                let [of, on] = [of, on].map(|k| (&self.lines[k], &stations[self.lines[k].number]));
-                self.add_side(of, on, law, loads);
+                let [of, on] = [of, on].map(|k| (&lines[k], &stations[lines[k].number]));
+                add_side(of, on, law, *dt, loads);
             }
         }
     }
 
-    /// Add half of the contact of the points of one line with another line.
-    fn add_side<const D: usize>(
-        &self,
-        (of, own): (&Line, &Stations<D>),
-        (on, other): (&Line, &Stations<D>),
-        law: &Law,
-        loads: &mut [Loads<D>],
-    ) {
-        let (dt, segments) = (self.dt, own.len() - 1);
-        for m in 0..=segments * of.parts {
-            let segment = (m / of.parts).min(segments - 1);
-            let spot = Spot { segment, share: (m - segment * of.parts) as f64 / of.parts as f64 };
-            let point = spot.on(&own.position);
-            let Some((touched, from)) = closest(point, &other.position) else { continue };
-            let normal = from / from.norm().max(f64::MIN_POSITIVE);
-            let gap = from.norm() - spot.along(&of.radius) - touched.along(&on.radius);
-            let closing = (spot.on(&own.velocity) - touched.on(&other.velocity)).dot(&normal);
-            let found = law.response(gap + dt * closing, Some(Before { gap, dt }));
-            if found.force == 0.0 && found.stiffness == 0.0 {
-                continue;
-            }
-            let part = (node(own, segment + 1) - node(own, segment)).norm() / of.parts as f64;
-            let length = if m == 0 || m == segments * of.parts { 0.25 * part } else { 0.5 * part };
-            let (force, rate) = (normal * (length * found.force), RATE * length * dt * found.stiffness);
-            spot.give(force, rate, &mut loads[of.number]);
-            touched.give(-force, rate, &mut loads[on.number]);
+    /// Become the contact that another fluid has found, if it has any.
+    pub fn copy_from(&mut self, other: Option<&Self>) {
+        self.clear();
+        let loads = other.iter().flat_map(|other| &other.loads);
+        self.loads.iter_mut().zip(loads).for_each(|(own, other)| own.copy_from(other));
+    }
+
+    /// Forget it.
+    pub fn clear(&mut self) {
+        for own in &mut self.loads {
+            own.force.iter_mut().chain([&mut own.impedance]).for_each(|list| list.fill(0.0));
         }
+    }
+
+    /// Add it to the loads of the coming step.
+    pub fn add(&self, loads: &mut [Loads<D>]) {
+        for (to, own) in loads.iter_mut().zip(&self.loads) {
+            let pairs = to.force.iter_mut().chain([&mut to.impedance]).zip(own.force.iter().chain([&own.impedance]));
+            pairs.for_each(|(to, own)| to.iter_mut().zip(own).for_each(|(to, own)| *to += own));
+        }
+    }
+
+    /// Add its power and its work in a step of `h` seconds between these stations to the exchange with each body.
+    pub fn exchange(&self, h: f64, ends: [&[Stations<D>]; 2], exchange: &mut [Exchange<D>]) {
+        for (((own, before), now), to) in self.loads.iter().zip(ends[0]).zip(ends[1]).zip(exchange) {
+            let power = |axis: usize| {
+                let parts = own.force[axis].iter().zip(&own.impedance);
+                let velocities = before.velocity[axis].iter().zip(&now.velocity[axis]);
+                parts.zip(velocities).map(|((force, rate), (v_0, v))| (force - rate * (v - v_0)) * v).sum::<f64>()
+            };
+            let power: f64 = (0..D).map(power).sum();
+            (to.power, to.work) = (to.power + power, to.work + h * power);
+        }
+    }
+}
+
+/// Add half of the contact of the points of one line with another line in a step of `dt` seconds.
+fn add_side<const D: usize>(
+    (of, own): (&Line, &Stations<D>),
+    (on, other): (&Line, &Stations<D>),
+    law: &Law,
+    dt: f64,
+    loads: &mut [Loads<D>],
+) {
+    let segments = own.len() - 1;
+    for m in 0..=segments * of.parts {
+        let segment = (m / of.parts).min(segments - 1);
+        let spot = Spot { segment, share: (m - segment * of.parts) as f64 / of.parts as f64 };
+        let point = spot.on(&own.position);
+        let Some((touched, from)) = closest(point, &other.position) else { continue };
+        let normal = from / from.norm().max(f64::MIN_POSITIVE);
+        let gap = from.norm() - spot.along(&of.radius) - touched.along(&on.radius);
+        let closing = (spot.on(&own.velocity) - touched.on(&other.velocity)).dot(&normal);
+        let found = law.response(gap + dt * closing, Some(Before { gap, dt }));
+        if found.force == 0.0 && found.stiffness == 0.0 {
+            continue;
+        }
+        let part = (node(own, segment + 1) - node(own, segment)).norm() / of.parts as f64;
+        let length = if m == 0 || m == segments * of.parts { 0.25 * part } else { 0.5 * part };
+        let (force, rate) = (normal * (length * found.force), RATE * length * dt * found.stiffness);
+        spot.give(force, rate, &mut loads[of.number]);
+        touched.give(-force, rate, &mut loads[on.number]);
     }
 }
 
