@@ -148,13 +148,16 @@ fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
             .into(),
     });
     let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+    let mut given = [0.0; 2];
     let (mut y, mut v, masses, mut least) = ([0.3, -0.3], [-1.0, 0.0], [0.8 * mass, 0.8 * ratio * mass], f64::INFINITY);
     for _ in 0..300 {
         for k in 0..2 {
             let loads = &fluid.loads()[k];
             let [force, rate] = [&loads.force[1], &loads.impedance].map(|of| of.iter().sum::<f64>());
-            v[k] += force / (masses[k] / h + rate);
+            let change = force / (masses[k] / h + rate);
+            v[k] += change;
             y[k] += h * v[k];
+            given[k] += h * (force - rate * change) * v[k];
             let to = &mut fluid.stations_mut()[k];
             to.position[1].fill(y[k]);
             to.velocity[1].fill(v[k]);
@@ -162,6 +165,10 @@ fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
         let t = fluid.time();
         fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
         least = least.min(y[0] - y[1]);
+    }
+    for (given, exchange) in given.iter().zip(fluid.exchange()) {
+        let off = (given - exchange.work).abs();
+        assert!(off < 0.02 * masses[0], "a work of {given} J, but {} J from the fluid", exchange.work);
     }
     let energy = |v: [f64; 2]| (masses[0] * v[0] * v[0] + masses[1] * v[1] * v[1]) / masses[0];
     [least, energy(v)]

@@ -165,7 +165,7 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, lacks_contact: bool, see: S
         // A beam may be embedded in a wall.
         let is_body = part.key.starts_with("fluid.");
         see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !is_body, &|| {
-            let help = if part.is_mounted && lacks_contact { ", where the key `contact` would stop it," } else { "" };
+            let help = if part.is_mounted && lacks_contact { ", without the key `contact`," } else { "" };
             format!("reaches {} m into a wall of the channel{help}", rounded(reached))
         });
     }
