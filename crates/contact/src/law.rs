@@ -1,6 +1,6 @@
 //! Forces of a contact as functions of its gap.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 use std::ops::AddAssign;
 
 /// Least number of steps in a contact, for the default stiffness: BDF2 then keeps 97 to 99 % of the speed.
@@ -32,15 +32,26 @@ pub struct Law {
     pub film: Option<Film>,
 }
 
-/// Film of a viscous fluid, with the force −c h'/h at the gap h.
+/// Film of a viscous fluid, with the force −c h'/hᵖ at the gap h.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
-    /// c, N s: 6 π η R² of a ball of radius R at a wall, in a fluid of viscosity η (Pa s).
+    /// c, N s mᵖ⁻¹: in a fluid of viscosity η (Pa s) 6 π η R² of a ball of radius R at a wall.
     pub coefficient: f64,
+    /// p.
+    pub power: FilmPower,
     /// Gap at which the film begins, m.
     pub range: f64,
-    /// Least gap h_min, the roughness: below it the force is −c h'/h_min, m.
+    /// Least gap h_min, the roughness: below it the force is −c h'/h_minᵖ, and 0 where the surfaces meet, m.
     pub least: f64,
+}
+
+/// Power p of the gap in a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilmPower {
+    /// 1, between balls.
+    One,
+    /// 3/2, between circles in the plane.
+    ThreeHalves,
 }
 
 /// Gap at the beginning of a step.
@@ -151,17 +162,43 @@ struct Impulse {
 }
 
 impl Film {
-    /// Return F = ln max(h, h_min) + min(h, h_min)/h_min, constant beyond the range.
+    /// Return the film of a viscosity (Pa s) between balls, or circles in the plane, of which the sum of both curvatures is
+    /// 1/`radius`, 1/m, from a gap of `range` (m) on; `least` is the roughness, m. By lubrication theory
+    /// c = 6 π η R² with p = 1, in the plane 3 √2 π η R^(3/2) with p = 3/2.
+    pub fn between<const D: usize>(viscosity: f64, radius: f64, range: f64, least: f64) -> Self {
+        let (coefficient, power) = match D {
+            2 => (3.0 * SQRT_2 * PI * viscosity * radius.powf(1.5), FilmPower::ThreeHalves),
+            _ => (6.0 * PI * viscosity * radius * radius, FilmPower::One),
+        };
+        Self { coefficient, power, range, least }
+    }
+
+    /// Return F with F' = h^−p, of p = 1 F = ln max(h, h_min) + min(h, h_min)/h_min, constant beyond the range, and where surfaces meet.
     fn impulse(&self, h: f64) -> Impulse {
         let Self { range, least, .. } = *self;
+        // F is linear from a gap on, with a slope.
+        let on = |Impulse { value, integral, .. }: Impulse, begin: f64, slope: f64| {
+            let way = h - begin;
+            Impulse { value: value + slope * way, integral: integral + (value + 0.5 * slope * way) * way, slope }
+        };
         if h >= range {
-            let value = range.ln() + 1.0;
-            Impulse { value, integral: range * range.ln() + value * (h - range), slope: 0.0 }
+            on(self.pure(range), range, 0.0)
         } else if h >= least {
-            Impulse { value: h.ln() + 1.0, integral: h * h.ln(), slope: 1.0 / h }
+            self.pure(h)
+        } else if h >= 0.0 {
+            on(self.pure(least), least, self.pure(least).slope)
         } else {
-            let (log, share) = (least.ln(), h / least);
-            Impulse { value: log + share, integral: h * log + 0.5 * (h * share - least), slope: 1.0 / least }
+            on(self.impulse(0.0), 0.0, 0.0)
+        }
+    }
+
+    fn pure(&self, h: f64) -> Impulse {
+        match self.power {
+            FilmPower::One => Impulse { value: h.ln() + 1.0, integral: h * h.ln(), slope: 1.0 / h },
+            FilmPower::ThreeHalves => {
+                let root = h.sqrt();
+                Impulse { value: -2.0 / root, integral: -4.0 * root, slope: 1.0 / (h * root) }
+            }
         }
     }
 }
@@ -200,7 +237,7 @@ mod tests {
         depth: 0.08,
         damping: 3.0,
         friction: 0.4,
-        film: Some(Film { coefficient: 0.7, range: 0.3, least: 0.02 }),
+        film: Some(Film { coefficient: 0.7, power: FilmPower::ThreeHalves, range: 0.3, least: 0.02 }),
     };
 
     /// Forces are minus the slopes of the potential and stiffnesses those of the force, in all branches.

@@ -7,14 +7,16 @@
 //! U(g) penalty,      (1/Δt) [∫ Γ dg − Γ(g_0) g] damper and film,      μ N_0 |s| friction with the slip s.
 //! ```
 //!
-//! [`Obstacle`] has closest points, and [`Cells`] finds candidates. All quantities are in SI units.
+//! [`Obstacle`] has closest points, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies. All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
+mod bodies;
 mod cells;
 mod law;
 mod obstacle;
 
+pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion};
 pub use cells::{Cells, MOST_PARTNERS};
-pub use law::{Before, Film, Friction, Law, Response, largest_stiffness};
+pub use law::{Before, Film, FilmPower, Friction, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};

@@ -64,6 +64,11 @@ impl<const D: usize> Pose<D> {
         self.axes.iter().zip(own.iter()).map(|(axis, part)| axis * *part).sum()
     }
 
+    /// Return the pose with the same axes and a point of the solid's axes in a place, m.
+    pub fn about(&self, place: SVector<f64, D>, own: SVector<f64, D>) -> Self {
+        Self { axes: self.axes, origin: place - self.along(own) }
+    }
+
     /// Return the pose after the fraction `share` of the way to another one, less than a right angle away.
     pub fn towards(&self, other: &Self, share: f64) -> Self {
         let axes = std::array::from_fn(|d| self.axes[d] * (1.0 - share) + other.axes[d] * share);
@@ -100,6 +105,71 @@ impl<const D: usize> Obstacle<D> {
         };
         let axes = SMatrix::<f64, D, D>::from_columns(&pose.axes);
         Nearest { distance, normal: axes * normal, curvature: axes * curvature * axes.transpose() }
+    }
+}
+
+/// What contact of two solids needs of each.
+impl<const D: usize> Obstacle<D> {
+    /// Return whether points of one solid find all contacts with the other: in the plane of all but cylinders, and of a
+    /// half space with all but another; in space of balls with all, and of capsules with each other.
+    pub fn can_touch(&self, other: &Self) -> bool {
+        let is_block = |of: &Self| matches!(of.solid, Body::Block { .. });
+        let is_ball = |of: &Self| of.ball_radius().is_some();
+        let both = is_block(self) && is_block(other);
+        is_ball(self)
+            || is_ball(other)
+            || (both && (D == 2 || (self.line().is_some() && other.line().is_some())))
+            || (is_block(self) && other.is_half_space())
+            || (self.is_half_space() && is_block(other))
+    }
+
+    /// Return the radius of a ball, m; none of another solid.
+    pub(crate) fn ball_radius(&self) -> Option<f64> {
+        if let Body::Block { half, radius } = self.solid { (half == [0.0; D]).then_some(radius) } else { None }
+    }
+
+    /// Return the ends of the axis of a capsule, m; none of another solid.
+    pub(crate) fn line(&self) -> Option<[SVector<f64, D>; 2]> {
+        let Body::Block { half, .. } = self.solid else { return None };
+        let lengths = half.iter().filter(|half| **half > 0.0).count();
+        (lengths == 1).then(|| [-SVector::from(half), SVector::from(half)])
+    }
+
+    pub(crate) fn is_half_space(&self) -> bool {
+        self.solid == Body::HalfSpace
+    }
+
+    /// Return the points by which it touches, each with [`Self::radius`]: the corners of its block, m.
+    pub(crate) fn points(&self) -> Vec<SVector<f64, D>> {
+        let Body::Block { half, .. } = self.solid else { return Vec::new() };
+        half.iter().enumerate().filter(|(_, half)| **half > 0.0).fold(vec![SVector::zeros()], |points, (d, half)| {
+            let shifted =
+                |point: &SVector<f64, D>, to: f64| SVector::from_fn(|e, _| if e == d { to } else { point[e] });
+            points.iter().flat_map(|point| [-half, *half].map(|to| shifted(point, to))).collect()
+        })
+    }
+
+    /// Return the radius of these points, m.
+    pub(crate) fn radius(&self) -> f64 {
+        if let Body::Block { radius, .. } = self.solid { radius } else { 0.0 }
+    }
+
+    /// Return half the thickness, m.
+    pub(crate) fn half_thickness(&self) -> f64 {
+        match self.solid {
+            Body::HalfSpace => f64::INFINITY,
+            Body::Block { half, radius } => half.into_iter().fold(f64::INFINITY, f64::min) + radius,
+            Body::Cylinder { radius, half_length, .. } => radius.min(half_length),
+        }
+    }
+
+    /// Return the distance of its farthest point from the origin of its axes, m.
+    pub(crate) fn reach(&self) -> f64 {
+        match self.solid {
+            Body::HalfSpace => f64::INFINITY,
+            Body::Block { half, radius } => SVector::from(half).norm() + radius,
+            Body::Cylinder { radius, half_length, .. } => radius.hypot(half_length),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nervure_contact::{Before, Film, Law, largest_stiffness};
+use nervure_contact::{Before, Film, FilmPower, Law, largest_stiffness};
 
 /// Advance place and speed by a step: the trapezoid for the penalty, the mean force of the step for damper and film.
 fn step(law: &Law, [x, v]: [f64; 2], dt: f64) -> [f64; 2] {
@@ -55,7 +55,7 @@ fn a_ball_rests_where_its_weight_balances_the_spring() {
 fn a_ball_keeps_the_exact_speed_through_a_film_in_few_steps() {
     let (range, least) = (0.1, 1e-3);
     for (stokes, steps) in [15.0, 27.0, 58.0, 152.0].into_iter().flat_map(|st| [1.0, 2.0, 5.0, 20.0].map(|n| (st, n))) {
-        let film = Some(Film { coefficient: 1.0 / stokes, range, least });
+        let film = Some(Film { coefficient: 1.0 / stokes, power: FilmPower::One, range, least });
         // The ball enters the spring by a thousandth of h_min.
         let law = Law { range: 1e-8, stiffness: 1e12, depth: f64::INFINITY, damping: 0.0, friction: 0.0, film };
         let (mut ball, mut taken) = ([range, -1.0_f64], 0);

@@ -16,6 +16,7 @@ use crate::present::{Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
 use crate::problem::Problem;
+use crate::rod_contact::RodContact;
 use crate::solver::{FluidSolver, Solvable};
 use crate::state::State;
 use crate::stations::{Loads, Stations};
@@ -52,6 +53,8 @@ where
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
+    /// Contact of flexible lines with each other; absent without.
+    rod_contact: Option<RodContact<D>>,
     limits: StepLimits,
     bytes_per_number: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
@@ -146,6 +149,7 @@ where
                 displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
+            rod_contact: RodContact::new(parameters),
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
@@ -223,13 +227,26 @@ where
         self.predict_loads();
         // Flexible bodies begin without loads.
         self.present.flexible.loads.iter_mut().for_each(|loads| *loads = Loads::none(loads.impedance.len()));
+        self.find_announced_contact();
         Ok(())
+    }
+
+    /// Find the part of contact in the present loads; flexible bodies begin without loads.
+    fn find_announced_contact(&mut self) {
+        if let Some(contact) = &mut self.rod_contact {
+            if self.present.step > 0.0 { contact.find(&self.present.flexible.stations) } else { contact.clear() }
+        }
     }
 
     /// Write the loads of a coming step as long as the last one.
     fn predict_loads(&mut self) {
         let dt = if self.present.step > 0.0 { self.present.step } else { self.limits.usual_step };
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
+        let flexible = &mut self.present.flexible;
+        if let Some(contact) = self.rod_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
+            contact.find(&flexible.stations);
+            contact.add(&mut flexible.loads);
+        }
     }
 
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
@@ -256,6 +273,9 @@ where
         }
         self.present.flexible.copy_from(&known.flexible);
         self.present.carried.copy_from_slice(&known.carried);
+        if let Some(contact) = &mut self.rod_contact {
+            contact.copy_from(other.rod_contact.as_ref());
+        }
         Stations::copy_all(&mut self.motion.target, &known.flexible.stations);
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
         self.start_at(known.time);
@@ -307,6 +327,9 @@ where
             return Err(error);
         }
         self.pressures.invalidate();
+        if let Some(contact) = &self.rod_contact {
+            contact.exchange(h, [&self.motion.from, &self.motion.target], &mut self.present.flexible.exchange);
+        }
         if !self.present.flexible.loads.is_empty() || self.problem.bodies.announce() {
             self.predict_loads();
         }
@@ -413,6 +436,7 @@ where
         self.motion.displaced_to.iter_mut().zip(&self.present.carried).for_each(|(to, carried)| *to = carried.now);
         self.pressures.invalidate();
         self.place_at_present();
+        self.find_announced_contact();
         if self.problem.bodies.announce() {
             self.predict_loads();
         }

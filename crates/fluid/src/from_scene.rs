@@ -5,11 +5,14 @@
 
 use std::sync::Arc;
 
+use contact::{BodyFilm, BodyLaw, largest_stiffness};
 use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
-use crate::parameters::{Body, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Zone};
+use crate::parameters::{
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone,
+};
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
 
@@ -21,7 +24,8 @@ impl TryFrom<&Scene> for Parameters<2> {
         let fluid = of_dimension(scene, 2)?;
         let cylinders = fluid.cylinders.iter().enumerate().map(cylinder);
         Ok(Self {
-            bodies: cylinders.chain(bodies(fluid, shape, |body| body.angle, |_| 1.0)).collect(),
+            bodies: cylinders.chain(bodies(&fluid.bodies, "body", shape, |body| body.angle, |_| 1.0)).collect(),
+            contact: contact(scene, fluid, |of| bodies(of, "obstacle", shape, |body| body.angle, |_| 1.0).collect()),
             flexible: beams(scene),
             ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y])
         })
@@ -39,9 +43,10 @@ impl TryFrom<&Scene> for Parameters<3> {
             body.turn.as_ref().map_or(Turn { axis: Z, angle: 0.0 }, |turn| Turn { axis: turn.axis, angle: turn.angle })
         };
         let shape = scene.flyer.as_ref().and_then(|flyer| flyer.shape);
-        let bodies = bodies(fluid, solid, turn, Vector::from).enumerate();
+        let own = bodies(&fluid.bodies, "body", solid, turn, Vector::from).enumerate();
         Ok(Self {
-            bodies: bodies.map(|(k, body)| Body { announces: shape == Some(k), ..body }).collect(),
+            contact: contact(scene, fluid, |of| bodies(of, "obstacle", solid, turn, Vector::from).collect()),
+            bodies: own.map(|(k, body)| Body { announces: shape == Some(k), ..body }).collect(),
             flexible: rods_and_wings(scene),
             ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y, fluid.r#box.z.unwrap_or_default()])
         })
@@ -164,9 +169,50 @@ fn cylinder((k, cylinder): (usize, &scene::Cylinder)) -> Body {
     }
 }
 
-/// Return the bodies of a scene, with their shapes, turns at rest and axes of their motions.
+/// Return the contact of the bodies of a scene, with the obstacles that `make` makes.
+fn contact<const D: usize>(
+    scene: &Scene,
+    fluid: &scene::Fluid,
+    make: impl FnOnce(&[scene::Body]) -> Vec<Body<D>>,
+) -> Option<Contact<D>>
+where
+    [f64; D]: Space<D>,
+{
+    let own = scene.contact.as_ref()?;
+    let film = |film: scene::Film| BodyFilm {
+        viscosity: fluid.density * fluid.kinematic_viscosity,
+        range: scene::Contact::two_cells(fluid),
+        least: film.roughness,
+    };
+    let law = BodyLaw {
+        range: own.range_of_bodies(fluid),
+        stiffness: own.stiffness.unwrap_or(f64::INFINITY),
+        damping: own.damping,
+        friction: own.friction,
+        film: own.film.map(film),
+        dt: fluid.time_stepping.max_step.min(scene.time.communication_step),
+    };
+    let walls = fluid.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
+    let skin = |beam: scene::BeamWithRod| {
+        let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
+        // The fluid beside a light line is as slow.
+        let mass = beam.line_density()? + fluid.density * law.range.powi(D as i32 - 1);
+        let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
+        Some(Skin { radius, largest_stiffness })
+    };
+    Some(Contact {
+        law,
+        obstacles: make(&own.obstacles),
+        walls: std::array::from_fn(|axis| walls[axis]),
+        rod_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
+        skins: scene.beams_with_rods().map(skin).collect(),
+    })
+}
+
+/// Return bodies of a scene, with their shapes, turns at rest and axes of their motions, each with a name and its number.
 fn bodies<'a, const D: usize>(
-    fluid: &'a scene::Fluid,
+    all: &'a [scene::Body],
+    name: &'a str,
     shape: impl Fn(&scene::Shape) -> Arc<dyn Shape<D>> + 'a,
     turn: impl Fn(&scene::Body) -> <[f64; D] as Kinematics<D>>::Turn + 'a,
     axis: impl Fn([f64; 3]) -> Spin<D> + 'a,
@@ -174,7 +220,7 @@ fn bodies<'a, const D: usize>(
 where
     [f64; D]: Space<D>,
 {
-    fluid.bodies.iter().enumerate().map(move |(k, body)| {
+    all.iter().enumerate().map(move |(k, body)| {
         let driven = |drive: &BodyDrive| match drive {
             BodyDrive::Master(_) => Motion::Master,
             BodyDrive::Laws(laws) => {
@@ -183,7 +229,7 @@ where
             }
         };
         Body {
-            name: format!("body {}", k + 1),
+            name: format!("{name} {}", k + 1),
             shape: shape(&body.shape),
             position: components(&body.position),
             pivot: components(&body.pivot),

@@ -5,8 +5,10 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use contact::BodyLaw;
 use method::{Filter, Mask, Precision, Support, TimeScheme};
 
+use crate::bodies::Contacts;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::shapes::{Between, Shape};
@@ -46,6 +48,8 @@ where
     pub sponge: Option<Zone>,
     /// Rigid bodies.
     pub bodies: Vec<Body<D>>,
+    /// Contact of the bodies on a mount; absent: they pass through everything.
+    pub contact: Option<Contact<D>>,
     /// Beams, rods and wings: bodies whose nodes are set from outside.
     pub flexible: Vec<Flexible<D>>,
     /// Drag of solids on the fluid.
@@ -156,6 +160,34 @@ where
     pub announces: bool,
 }
 
+/// Contact of bodies on a mount with each other, with all other bodies, and with walls; and of flexible lines with each
+/// other.
+#[derive(Clone, Debug)]
+pub struct Contact<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// How they touch.
+    pub law: BodyLaw,
+    /// Obstacles that the fluid does not see: still, or moved by laws.
+    pub obstacles: Vec<Body<D>>,
+    /// Lower and upper wall along each axis, m; absent: none.
+    pub walls: [Option<[f64; 2]>; D],
+    /// Stiffness of flexible lines per metre where they meet, N/m²; it acts at most as that of their skins.
+    pub rod_stiffness: f64,
+    /// Skin of each flexible body; absent: it touches no other one.
+    pub skins: Vec<Option<Skin>>,
+}
+
+/// Skin by which a flexible line touches others.
+#[derive(Clone, Debug)]
+pub struct Skin {
+    /// Half the thickness at the nodes, m.
+    pub radius: Vec<f64>,
+    /// Stiffness per metre with which a contact with a wall lasts ten communication steps, N/m².
+    pub largest_stiffness: f64,
+}
+
 /// How a body moves.
 #[derive(Clone, Debug)]
 pub enum Motion<const D: usize = 2>
@@ -254,6 +286,7 @@ where
             inflow: None,
             sponge: None,
             bodies: Vec::new(),
+            contact: None,
             flexible: Vec::new(),
             mask: Mask::log_linear(1e-5),
             probes: Vec::new(),
@@ -289,6 +322,7 @@ where
         self.check_cells()?;
         self.fine_box.iter().try_for_each(|fine| self.check_fine_box(fine))?;
         self.bodies.iter().try_for_each(|body| self.check_body(body))?;
+        Contacts::new(self)?;
         self.flexible.iter().try_for_each(|body| self.check_flexible(body))
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use contact::{Obstacle, Pose};
 use geometry::plane::Outline;
 use geometry::space::Solid;
 use geometry::{Nearest, Region, Section};
@@ -44,6 +45,11 @@ where
 
     /// Return the radius of a circle or a sphere.
     fn radius(&self) -> Option<f64> {
+        None
+    }
+
+    /// Return the solid that it is in contact; none of a shape that cannot touch.
+    fn obstacle(&self) -> Option<Obstacle<D>> {
         None
     }
 
@@ -100,6 +106,10 @@ impl Shape<2> for Outline {
         if let Self::Circle(radius) = self { Some(*radius) } else { None }
     }
 
+    fn obstacle(&self) -> Option<Obstacle<2>> {
+        Obstacle::of_outline(self, Pose::at([0.0; 2]))
+    }
+
     fn fills_box(&self) -> bool {
         matches!(self, Self::Circle(_))
     }
@@ -117,6 +127,10 @@ impl Shape<3> for Solid {
 
     fn radius(&self) -> Option<f64> {
         if let Self::Sphere(radius) = self { Some(*radius) } else { None }
+    }
+
+    fn obstacle(&self) -> Option<Obstacle<3>> {
+        Obstacle::of_solid(self, Pose::at([0.0; 3]))
     }
 
     fn moments(&self, size: &[f64; 3]) -> Moments<3> {

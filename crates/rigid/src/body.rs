@@ -201,7 +201,8 @@ impl Body {
         self.step_by(&self.differences(h), h, &self.carried(), load, fluid, lift);
     }
 
-    /// Do so with the backward differences `c` and the displacement `carried` from rest.
+    /// Do so with the backward differences `c` and the displacement `carried` from rest; return the rate at which a force
+    /// grows with the velocities, kg/s.
     pub(crate) fn step_by(
         &mut self,
         c: &[f64; 3],
@@ -210,7 +211,7 @@ impl Body {
         load: &Drag<3>,
         fluid: &Mass<3>,
         lift: &Freedoms,
-    ) {
+    ) -> [Freedoms; 6] {
         let reference = self.reference_by(c, h);
         let BodyParameters { mass, centre, supports, gravity, .. } = &self.parameters;
         let BodyState { now, before, .. } = &self.state;
@@ -218,7 +219,7 @@ impl Body {
         let [momentum, angular]: [Vector3<f64>; 2] = from_fn(|i| c[1] * momenta[0][i] + c[2] * momenta[1][i]);
         let (rates, earlier) = (now.rates(), before.rates());
         let known: Freedoms = from_fn(|i| c[1] * rates[i] + c[2] * earlier[i]);
-        let mut end = reference;
+        let (mut end, mut matrix) = (reference, [[0.0; 6]; 6]);
         for _ in 0..ITERATIONS {
             let arm = end.orientation * centre;
             let inertia = self.inertia(&end.orientation);
@@ -239,8 +240,9 @@ impl Body {
                 weight: from_fn(|i| weight[i] + lift[i]),
                 predicted: reference.rates(),
             };
-            let velocities = step.solve(load).displacement.rates();
-            let next = self.moved(c, h, &velocities);
+            let found = step.solve(load);
+            let next = self.moved(c, h, &found.displacement.rates());
+            matrix = found.matrix;
             let change = (next.omega - end.omega).norm() * h;
             end = next;
             if change <= ROUNDING {
@@ -250,6 +252,7 @@ impl Body {
         let rates = end.rates();
         let acceleration = from_fn(|i| c[0] * rates[i] - known[i]);
         self.state = BodyState { before: self.state.now, now: end, acceleration, last_step: h };
+        matrix
     }
 
     /// Return the coefficients of the backward differences, `c_0 y_(n+1) − c_1 y_n − c_2 y_(n−1)`, 1/s.

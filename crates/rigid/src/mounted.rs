@@ -64,10 +64,10 @@ impl MountedStep<'_, 3> {
         });
         let [h, last_step] = steps(&c);
         body.state = BodyState { now, before, acceleration: carried.acceleration, last_step };
-        body.step_by(&c, h, carried, drag, fluid, weight);
+        let matrix = body.step_by(&c, h, carried, drag, fluid, weight);
         let mut displacement = body.state.now.displacement(&still);
         displacement.angle = nearest(displacement.angle, &carried.now.angle);
-        SpringMotion::given(displacement, c, carried, fluid, predicted)
+        SpringMotion { matrix, ..SpringMotion::given(displacement, c, carried, fluid, predicted) }
     }
 }
 

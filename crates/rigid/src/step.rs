@@ -79,6 +79,9 @@ where
     pub change: Freedoms,
     /// Rate of change of the momentum of the displaced fluid.
     pub unsteady: Force<D>,
+    /// Rate at which a force grows with the velocities, kg/s; its row is that of the identity where the body is held,
+    /// and 0 for a body that was put to its place.
+    pub matrix: [Freedoms; 6],
 }
 
 impl<const D: usize> Mass<D>
@@ -146,7 +149,23 @@ where
         let [v, now, before] = [displacement, carried.now, carried.before].map(|pose| pose.rates());
         let acceleration = from_fn(|i| c[0] * v[i] - c[1] * now[i] - c[2] * before[i]);
         let change = from_fn(|i| v[i] - predicted[i]);
-        Self { displacement, acceleration, change, unsteady: fluid.rate_of_momentum(&acceleration, predicted) }
+        let unsteady = fluid.rate_of_momentum(&acceleration, predicted);
+        Self { displacement, acceleration, change, unsteady, matrix: [[0.0; 6]; 6] }
+    }
+
+    /// Change the velocities in a step with the first coefficient `c_0` of the differences; `fluid` is the displaced one.
+    pub fn add(&mut self, change: &Freedoms, c_0: f64, fluid: &Mass<D>) {
+        let more: Freedoms = from_fn(|i| c_0 * change[i]);
+        (0..6).for_each(|i| {
+            self.acceleration[i] += more[i];
+            self.change[i] += change[i];
+        });
+        self.unsteady = self.unsteady.plus(&fluid.rate_of_momentum(&more, &[0.0; 6]));
+        let ((way, turn), (velocity, omega)) = (split::<D>(&change.map(|v| v / c_0)), split::<D>(change));
+        let Pose { position, angle, velocity: known, omega: turning } = self.displacement;
+        let (angle, _) = <[f64; D]>::turned((angle, turning), turn, omega);
+        self.displacement =
+            Pose { position: position + way, angle, velocity: known + velocity, omega: turning + omega };
     }
 }
 
@@ -190,6 +209,7 @@ where
             acceleration,
             change: from_fn(|i| v[i] - predicted[i]),
             unsteady: fluid.rate_of_momentum(&acceleration, &predicted),
+            matrix,
         }
     }
 }

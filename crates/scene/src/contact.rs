@@ -1,25 +1,27 @@
-//! Contact of rods with what is in their way.
+//! Contact of rods and bodies with what is in their way.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::Body;
 
-/// Contact of rods with themselves, with solids, and with walls, cylinders and bodies of the fluid that are still or
-/// moved by laws. Bodies that the fluid or the master moves do not take part.
+/// Contact of rods with themselves, and of rods and bodies on a mount with walls, cylinders and bodies of the fluid that
+/// are still or moved by laws; in a fluid also of rods with each other, and of bodies on a mount with each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Gap between surfaces at which the force begins, m; absent: the least thickness of the beam, or two cells.
+    /// Gap between surfaces at which the force begins, m; absent: the least thickness of the beam, or two cells, with a
+    /// film its roughness.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub range: Option<f64>,
-    /// Stiffness per metre of rod where surfaces meet, N/m² (per metre of depth in two dimensions); absent: a contact
-    /// lasts ten steps.
+    /// Stiffness where surfaces meet, in two dimensions per metre of depth: of a rod per metre, N/m², of a body N/m, which
+    /// acts at most as that by default; absent: a contact lasts ten steps.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub stiffness: Option<f64>,
-    /// Damping of the gap per metre of rod where surfaces meet, kg/(m s).
+    /// Damping of the gap where surfaces meet, in two dimensions per metre of depth: of a rod per metre, kg/(m s), of a
+    /// body kg/s.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub damping: f64,
@@ -27,7 +29,19 @@ pub struct Contact {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub friction: f64,
+    /// Film of the fluid between bodies, of which the grid misses the part within two cells; absent: none.
+    #[serde(default)]
+    pub film: Option<Film>,
     /// Solids besides those of the fluid, which does not see them: still, or moved by laws.
     #[serde(default)]
     pub obstacles: Vec<Body>,
+}
+
+/// Film between spheres, in two dimensions circles, and walls, by lubrication theory.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Film {
+    /// Gap below which the force grows no more, m: the height of the roughness.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub roughness: f64,
 }

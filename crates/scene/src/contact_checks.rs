@@ -1,10 +1,11 @@
-//! What the rods of a scene touch, and what is wrong with its contact.
+//! What the rods and bodies of a scene touch, and what is wrong with its contact.
 
 use method::Bending;
 
 use crate::body::Body;
 use crate::contact::Contact;
 use crate::fault::{Check, Faults};
+use crate::fluid::Fluid;
 use crate::scene::{BeamWithRod, Scene};
 use crate::shape::Shape;
 
@@ -21,17 +22,33 @@ impl Contact {
     /// Return the gap at which the force begins on a rod of this scene, m.
     pub fn range(&self, scene: &Scene, own: &BeamWithRod) -> f64 {
         let thickness = own.beam.places().map(|s| own.beam.thickness.at(s)).fold(f64::INFINITY, f64::min);
-        let cells = scene.fluid.iter().flat_map(|fluid| fluid.spacing()).fold(0.0, f64::max);
-        self.range.unwrap_or(if cells > 0.0 { RANGE_CELLS * cells } else { thickness })
+        self.range.unwrap_or(scene.fluid.as_ref().map_or(thickness, Self::two_cells))
+    }
+
+    /// Return the gap at which the force begins on a body in a fluid, m.
+    pub fn range_of_bodies(&self, fluid: &Fluid) -> f64 {
+        self.range.unwrap_or(self.film.map_or(Self::two_cells(fluid), |film| film.roughness))
+    }
+
+    /// Return the length of two cells, m: a grid does not see a film of that.
+    pub fn two_cells(fluid: &Fluid) -> f64 {
+        RANGE_CELLS * fluid.spacing().into_iter().fold(0.0, f64::max)
     }
 
     /// Return the stiffness per metre of a rod of this scene, N/m².
     pub fn stiffness(&self, scene: &Scene, own: &BeamWithRod) -> f64 {
-        let Some(rod) = own.rod else { return 0.0 };
-        let density = |s: f64| rod.material.section(&own.beam.thickness, s).line_density;
-        let lightest = own.beam.places().map(density).fold(f64::INFINITY, f64::min);
+        let (Some(rod), Some(lightest)) = (own.rod, own.line_density()) else { return 0.0 };
         let step = rod.max_step.unwrap_or(f64::INFINITY).min(scene.time.communication_step);
         self.stiffness.unwrap_or(lightest * (std::f64::consts::PI / (STEPS * step)).powi(2))
+    }
+}
+
+impl BeamWithRod<'_> {
+    /// Return the least mass per metre of the rod, kg/m; none of a rigid beam.
+    pub fn line_density(&self) -> Option<f64> {
+        let rod = self.rod?;
+        let density = |s: f64| rod.material.section(&self.beam.thickness, s).line_density;
+        Some(self.beam.places().map(density).fold(f64::INFINITY, f64::min))
     }
 }
 
@@ -60,8 +77,15 @@ impl Scene {
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(contact) = &scene.contact else { return };
     let rods: Vec<_> = scene.beams_with_rods().filter_map(|own| own.rod.map(|_| scene.dimension(own.beam))).collect();
-    let is_space = rods.first() == Some(&3);
-    faults.forbid(rods.is_empty(), "contact", || "the scene has no rod, and only rods touch".into());
+    let of_fluid: Vec<_> = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).collect();
+    let mounted = || of_fluid.iter().filter(|own| own.body.mount.is_some());
+    let is_space = rods.first() == Some(&3) || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
+    faults.forbid(rods.is_empty() && mounted().next().is_none(), "contact", || {
+        "the scene has neither a rod nor a body on a `mount`, and only these touch".into()
+    });
+    faults.forbid(contact.film.is_some() && mounted().next().is_none(), "contact.film", || {
+        "the scene has no body on a `mount`, and rods have no film".into()
+    });
     let projected = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.bending == Bending::Projected));
     faults.forbid(projected, "contact", || "a rod with projected bending cannot turn as contact may want".into());
     for (i, body) in contact.obstacles.iter().enumerate() {
@@ -71,7 +95,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         let count = if is_space { 3 } else { 2 };
         let place = format!("{:?}", body.position);
         faults.require(body.position.len() == count, &format!("{key}.position"), place, || {
-            format!("it must have {count} components like the beam")
+            format!("it must have {count} components like {}", if rods.is_empty() { "the box" } else { "the beam" })
         });
         let free = body.mount.is_some() || body.is_driven();
         faults.forbid(free, &format!("{key}.{}", if body.mount.is_some() { "mount" } else { "motion" }), || {
@@ -80,17 +104,44 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         faults
             .forbid(body.reference.is_some(), &format!("{key}.reference"), || "an obstacle has no coefficients".into());
     }
-    let of_fluid = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).map(|own| (own.key, own.body));
-    let own = contact.obstacles.iter().cloned().enumerate().map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
-    for (key, body) in own.chain(of_fluid).filter(|(_, body)| !has_contact(&body.shape)) {
+    let own = contact.obstacles.iter().enumerate().map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
+    let all: Vec<_> = own.chain(of_fluid.iter().map(|own| (own.key.clone(), &own.body))).collect();
+    for (key, body) in all.iter().filter(|(_, body)| !has_contact(&body.shape)) {
         let (_, name) = body.shape.dimension(is_space);
         faults.require(false, &format!("{key}.shape"), name, || {
-            "rods touch a circle, rectangle, sphere, cuboid, circular_cylinder or capsule".into()
+            "what touches is a circle, rectangle, sphere, cuboid, circular_cylinder or capsule".into()
         });
+    }
+    if !is_space {
+        return;
+    }
+    for own in mounted() {
+        let (shape, key) = (&own.body.shape, format!("{}.shape", own.key));
+        let name = shape.dimension(true).1;
+        faults.require(scene.contact_walls().is_empty() || !is_cylinder(shape), &key, name, || {
+            "contact of a `circular_cylinder` with a wall is not known: take a `capsule`".into()
+        });
+        let touches = |other: &Shape| {
+            let pair = [shape, other];
+            let is_capsule = |shape: &&Shape| matches!(shape, Shape::Capsule { .. });
+            pair.iter().any(|shape| shape.is_round()) || pair.iter().all(is_capsule)
+        };
+        for (other, body) in all.iter().filter(|(other, _)| *other != own.key) {
+            faults.require(touches(&body.shape), &key, name, || {
+                let its = body.shape.dimension(true).1;
+                format!(
+                    "contact is not known with the {its} of `{other}`: a `sphere` touches all, a `capsule` another one"
+                )
+            });
+        }
     }
 }
 
-/// Return whether rods touch a shape.
+fn is_cylinder(shape: &Shape) -> bool {
+    matches!(shape, Shape::CircularCylinder { .. })
+}
+
+/// Return whether a shape can touch.
 fn has_contact(shape: &Shape) -> bool {
     matches!(
         shape,

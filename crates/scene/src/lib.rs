@@ -55,7 +55,7 @@ pub use ::method::{
 };
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Turn};
-pub use contact::Contact;
+pub use contact::{Contact, Film};
 pub use contact_checks::HalfSpace;
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};

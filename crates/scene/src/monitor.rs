@@ -1,5 +1,5 @@
 //! Warnings about the places of bodies, beams and the wing over time: before a run as far as laws move them, and during
-//! a run. Contact acts on rods alone.
+//! a run. Contact keeps bodies on a mount apart from other bodies.
 
 use std::collections::BTreeMap;
 
@@ -33,6 +33,8 @@ pub(crate) struct Part {
     pub deforms: bool,
     /// Largest thickness of a beam, m; infinite for others.
     pub thickness: f64,
+    /// Whether it is on a mount, where the key `contact` acts on it.
+    pub is_mounted: bool,
 }
 
 /// What is known of the parts from earlier times.
@@ -52,6 +54,8 @@ pub(crate) struct Monitor<'a> {
     pub memory: Option<Memory>,
     /// Number of dimensions.
     pub axes: usize,
+    /// Whether the scene has the key `contact`.
+    pub has_contact: bool,
     /// Whether nobody warns of the places at the first time, which were checked before the run.
     pub is_run: bool,
 }
@@ -78,7 +82,7 @@ impl Monitor<'_> {
                 }
             };
             if let Some(fluid) = self.fluid.filter(|_| part.moves || (!is_run && t == 0.0)) {
-                limits(fluid, part, shape, see);
+                limits(fluid, part, shape, !self.has_contact, see);
             }
             if part.deforms {
                 own_shape(part, shape, self.axes, see);
@@ -88,13 +92,18 @@ impl Monitor<'_> {
         let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
         for [i, j] in near_pairs(&bounds, cell / 4.0) {
             let (one, two) = (known[i], known[j]);
+            let is_body = |part: &Part| part.key.starts_with("fluid.");
+            let touches = (one.0.is_mounted || two.0.is_mounted) && is_body(one.0) && is_body(two.0);
             if (one.0.moves || two.0.moves)
+                && !(touches && self.has_contact)
                 && let Some(place) = memory.meets(one, two, cell / 4.0, is_first)
             {
                 let rounding = ROUNDING * norm(place);
                 let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
                 let at = shown(&place[..self.axes]);
-                let text = format!("{} meets {} near {at}, and nothing keeps them apart,", two.0.name, one.0.name);
+                let help = if touches { " without the key `contact`" } else { "" };
+                let text =
+                    format!("{} meets {} near {at}, and nothing keeps them apart{help},", two.0.name, one.0.name);
                 found.push(warning(&two.0.key, t, &text));
             }
         }
@@ -142,7 +151,7 @@ fn warning(key: &str, t: f64, text: &str) -> Warning {
 }
 
 /// Show how far a part reaches over the edges of the box, into walls and zones, and whether it stops the stream.
-fn limits(fluid: &Fluid, part: &Part, shape: &Shape, see: See) {
+fn limits(fluid: &Fluid, part: &Part, shape: &Shape, lacks_contact: bool, see: See) {
     let (cell, bounds): (_, Bounds<3>) = (fluid.spacing(), shape.bounds());
     let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
     for (axis, ends) in fluid.r#box.ends().enumerate() {
@@ -156,7 +165,8 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, see: See) {
         // A beam may be embedded in a wall.
         let is_body = part.key.starts_with("fluid.");
         see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !is_body, &|| {
-            format!("reaches {} m into a wall of the channel", rounded(reached))
+            let help = if part.is_mounted && lacks_contact { ", without the key `contact`," } else { "" };
+            format!("reaches {} m into a wall of the channel{help}", rounded(reached))
         });
     }
     if let Some(fine) = fluid.fine_box.as_ref().filter(|fine| fine.follow.is_none()) {
@@ -239,9 +249,13 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     let fluid = scene.fluid.as_ref();
     let ends: Vec<_> = fluid.iter().flat_map(|fluid| fluid.r#box.ends()).collect();
     let (mut parts, mut now) = (Vec::new(), Vec::new());
+    let mounted = fluid.iter().flat_map(|fluid| fluid.obstacles()).filter(|own| own.body.mount.is_some());
+    let mounted: Vec<_> = mounted.map(|own| own.key).collect();
     let mut add = |key: String, name: String, [rest, shape]: [Option<Shape>; 2], moves: bool, thickness: f64| {
         if let (Some(rest), Some(shape)) = (rest, shape) {
-            parts.push(Part { deforms: key == "wing" || thickness.is_finite(), key, name, rest, moves, thickness });
+            let is_mounted = mounted.contains(&key);
+            let deforms = key == "wing" || thickness.is_finite();
+            parts.push(Part { deforms, key, name, rest, moves, thickness, is_mounted });
             now.push(Some(shape));
         }
     };
@@ -275,7 +289,8 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, f64::INFINITY);
     }
     let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
-    let mut monitor = Monitor { fluid, parts: parts.iter().collect(), memory: places.memory, axes, is_run: true };
+    let (parts, has_contact) = (parts.iter().collect(), scene.contact.is_some());
+    let mut monitor = Monitor { fluid, parts, memory: places.memory, axes, has_contact, is_run: true };
     let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();
     Answer { warnings, memory: monitor.memory }
 }

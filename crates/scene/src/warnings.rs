@@ -111,10 +111,13 @@ impl Moving<'_> {
 fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
     let part = |key: String, rest, moves: bool, rigid: &str, thickness| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
-        Part { key, name, rest, moves, deforms: false, thickness }
+        Part { key, name, rest, moves, deforms: false, thickness, is_mounted: false }
     };
     let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
-        part: part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", f64::INFINITY),
+        part: Part {
+            is_mounted: body.mount.is_some(),
+            ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", f64::INFINITY)
+        },
         motion: Motion::Body(Box::new(body)),
     };
     let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
@@ -171,7 +174,14 @@ fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], axes: usize, found
 /// Return the warnings about the motions that laws prescribe.
 fn motions(scene: &Scene, fluid: &Fluid, moving: &[Moving], start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
     let parts = moving.iter().map(|own| &own.part).collect();
-    let mut monitor = Monitor { fluid: Some(fluid), parts, memory: None, axes: ends.len(), is_run: false };
+    let mut monitor = Monitor {
+        fluid: Some(fluid),
+        parts,
+        memory: None,
+        axes: ends.len(),
+        has_contact: scene.contact.is_some(),
+        is_run: false,
+    };
     let mut now: Vec<_> = start.iter().cloned().map(Some).collect();
     let mut found = monitor.check(0.0, &now);
     let is_moving = moving.iter().any(|own| own.part.moves);

@@ -26,7 +26,7 @@ fn obstacles_that_rods_cannot_touch_are_refused() {
     for (own, sentence) in [
         (
             r#""shape": {"ellipse": {"length": 2, "thickness": 1}}, "position": [0, 9]"#,
-            "rods touch a circle, rectangle",
+            "what touches is a circle, rectangle",
         ),
         (r#""shape": {"sphere": {"radius": 1}}, "position": [0, 9]"#, "in two dimensions it is a circle"),
         (r#""shape": {"circle": {"radius": 1}}, "position": [0, 9, 0]"#, "it must have 2 components like the beam"),

@@ -2,12 +2,14 @@
 
 mod beam;
 mod cells;
+mod contact;
 mod measure;
 mod pose;
 mod rigid;
 
 use line_fft::Real;
 
+use crate::error::Error;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
@@ -22,6 +24,7 @@ use ::rigid::{Mass, MountedStep, SpringMotion};
 pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
+pub use contact::Contacts;
 pub use rigid::Rigid;
 
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
@@ -39,6 +42,8 @@ where
     painted: Painted,
     /// Loads of the next step on the bodies, where they are announced.
     announced: Vec<(usize, Drag<D>)>,
+    /// Contact of the bodies on a mount; absent without.
+    contacts: Option<Contacts<D>>,
     /// Density of the fluid, kg/m³.
     density: f64,
     /// Mass of the fluid in a cell, kg.
@@ -109,6 +114,8 @@ where
         let any = !zones.is_empty() || has_walls || thick;
         let announcing = parameters.bodies.iter().enumerate().filter(|(_, body)| body.announces);
         let mut bodies = Self {
+            // The parameters were checked.
+            contacts: Contacts::new(parameters).unwrap_or_default(),
             announced: announcing.map(|(k, _)| (k, Drag::default())).collect(),
             rigid,
             beams,
@@ -184,16 +191,32 @@ where
             let change = rigid
                 .solve_springs(c, carried, self.density, &drag)
                 .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
-            for cell in rigid.cells.iter_mut() {
-                let share = cell.rate / (c[0] + rate[cell.index]);
-                let change = velocity_of(&change, &cell.arm);
-                for (axis, w) in w.iter_mut().enumerate() {
-                    let change = cell.gain[axis] * change[axis];
-                    cell.velocity[axis] += change;
-                    w[cell.index] = R::rounded(w[cell.index].to_f64() + share * change);
-                }
+            rigid.change_velocities(&change, c[0], rate, w);
+        }
+    }
+
+    /// Let the bodies on a mount touch in a step between two times (s), after [`Self::solve_motion`], and add what that
+    /// does to `u*` to `w`.
+    ///
+    /// # Errors
+    /// [`Error::Deep`].
+    pub fn solve_contact<R: Real>(
+        &mut self,
+        c_0: f64,
+        times: [f64; 2],
+        carried: &[Carried<D>],
+        w: &mut [Field<R>; D],
+    ) -> Result<(), Error> {
+        let Self { contacts: Some(contacts), rigid, rate: Some(rate), density, .. } = self else { return Ok(()) };
+        let changes = contacts.solve(c_0, times, rigid, carried)?.unwrap_or_default();
+        for (rigid, change) in rigid.iter_mut().zip(changes).filter(|(rigid, _)| rigid.mount().is_some()) {
+            let fluid = rigid.displaced_mass(*density);
+            if let Some(found) = &mut rigid.spring_motion {
+                found.add(change, c_0, &fluid);
+                rigid.change_velocities(change, c_0, rate, w);
             }
         }
+        Ok(())
     }
 
     /// Let a thin body on springs move under a drag, as [`Self::solve_springs`] does; return the change of its
@@ -412,6 +435,20 @@ where
         let found = <[f64; D]>::solve_springs(&step, drag);
         self.spring_motion = Some(found);
         Some(found.change)
+    }
+
+    /// Change the velocities of the cells in a step with the first coefficient `c_0` of the differences, where all bodies
+    /// have the drag rate `rate` (1/s), and add what that does to `u*` to `w`.
+    fn change_velocities<R: Real>(&mut self, change: &Freedoms, c_0: f64, rate: &[f64], w: &mut [Field<R>; D]) {
+        for cell in self.cells.iter_mut() {
+            let share = cell.rate / (c_0 + rate[cell.index]);
+            let change = velocity_of(change, &cell.arm);
+            for (axis, w) in w.iter_mut().enumerate() {
+                let change = cell.gain[axis] * change[axis];
+                cell.velocity[axis] += change;
+                w[cell.index] = R::rounded(w[cell.index].to_f64() + share * change);
+            }
+        }
     }
 
     /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at

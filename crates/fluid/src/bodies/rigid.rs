@@ -128,6 +128,11 @@ where
         if let Some(Motion::Mount(mount)) = &self.body.motion { Some(mount) } else { None }
     }
 
+    /// Return its parameters.
+    pub fn body(&self) -> &Body<D> {
+        &self.body
+    }
+
     /// Return its name in errors.
     pub fn name(&self) -> &str {
         &self.body.name

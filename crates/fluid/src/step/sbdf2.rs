@@ -185,7 +185,7 @@ where
     /// Put the bodies to the end of the step, and write u* + tau G to `w`.
     ///
     /// # Errors
-    /// [`Error::Markers`].
+    /// [`Error::Deep`] and [`Error::Markers`].
     pub fn solve_in_space(
         &mut self,
         step: &Substep<D>,
@@ -206,6 +206,7 @@ where
         let time = step.end;
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
         bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w);
+        bodies.solve_contact(scheme.c[0], [time - step.dt, time], &present.carried, w)?;
         thin.place(step.stations, &bodies.rigid, grid);
         if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
             return Err(Error::Markers { time });
