@@ -67,6 +67,8 @@ where
     coarse: Coarse<R, T, D>,
     spacing: [f64; D],
     ratio: f64,
+    /// Largest CFL number of a step.
+    max_cfl: f64,
     /// The body that the box follows, and its place where the box has not moved, m.
     follows: Option<(Followed, Vector<D>)>,
     /// Coarse cells along each axis by which the box may move back and forth, between walls and zones.
@@ -111,6 +113,7 @@ where
         let mut own = Self {
             spacing: grid.spacing,
             ratio: fine.ratio as f64,
+            max_cfl: parameters.max_cfl,
             follows: fine.follows.map(|body| (body, problem.place_of(body, &stations))),
             range: std::array::from_fn(|axis| parameters.range_of_fine_box(fine, axis)),
             damping: ones(),
@@ -358,6 +361,13 @@ where
         link.elapsed += dt;
     }
 
+    /// Make a step of the coarse flow, which the fine one has reached, before its own `step`. [`Coarse::undo`] takes it back.
+    fn step_coarse(&mut self, step: &Substep<D>, flow: &Flow<R, D>, present: &Present<D>) -> Result<(), Error> {
+        self.coarse.save_for_undo();
+        self.gather(step.team, flow, self.crossing_rate(present));
+        self.coarse.step(step)
+    }
+
     /// Make the step of the fine flow, which the coarse one has reached.
     fn step_fine(
         &mut self,
@@ -480,9 +490,7 @@ where
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
         if self.coarse.is_behind(step.dt) {
-            self.coarse.save_for_undo();
-            self.gather(step.team, flow, self.crossing_rate(present));
-            self.coarse.step(step)?;
+            self.step_coarse(step, flow, present)?;
             self.step_fine(step, flow, present, problem).inspect_err(|_| self.coarse.undo())?;
         } else {
             self.step_fine(step, flow, present, problem)?;
@@ -494,8 +502,27 @@ where
     }
 
     fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        let (team, max_cfl) = (&Team::alone(), self.max_cfl);
+        let end = present.time + dt;
+        let step = Substep {
+            dt,
+            end,
+            stations: &[],
+            displacements: &[],
+            ends: &[],
+            ahead: None,
+            max_cfl,
+            shortest: 0.0,
+            team,
+        };
+        // A load that is announced is that of the coming step, which may begin with a coarse one.
+        let is_ahead =
+            problem.bodies.announce() && self.coarse.is_behind(dt) && self.step_coarse(&step, flow, present).is_ok();
         self.coarse.look(dt);
-        self.write_source(&Team::alone());
+        if is_ahead {
+            self.coarse.undo();
+        }
+        self.write_source(team);
         self.fine.predict_loads(dt, flow, present, problem);
     }
 
