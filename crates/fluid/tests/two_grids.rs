@@ -1,6 +1,6 @@
 //! Two grids: a fine box in a coarse domain, beside one grid of fine cells.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::{
     Body, Error, Extent, FineBox, Flexible, Fluid, Followed, Law, Motion, Mount, Outline, Parameters, Precision, Solid,
@@ -351,6 +351,89 @@ fn a_driven_cylinder_has_the_drag_of_one_in_a_stream_through_more_than_a_period(
         (0..2).all(|axis| (at[axis] - low[axis] - 3.0).abs() < 0.2),
         "the body at {at:?} m in a box from {low:?} m"
     );
+}
+
+/// Over the last half of two seconds in which a line is drawn through a stream that a sponge keeps: return the momentum along
+/// x that both grids gain beyond what line and sponge give, over what the line gives, and the same of the energy, which
+/// viscosity takes too.
+fn surplus(ratio: Option<usize>, h: f64) -> [f64; 2] {
+    let (nu, c_eta, zone, stream) = (0.025, 0.3, [4.5, 5.5], 0.5);
+    let mut parameters = driven(16, ratio.unwrap_or(1), h);
+    (parameters.domain[0], parameters.cells[0]) = (parameters.domain[1], parameters.cells[1]);
+    (parameters.kinematic_viscosity, parameters.initial_velocity, parameters.bodies) = (nu, [stream, 0.0], vec![]);
+    parameters.sponge = Some(Zone { x: zone, parabolic: false, mean_velocity: Law::constant(stream), c_eta });
+    let nodes: Vec<_> = (0..17).map(|k| [0.02, f64::from(k) / 16.0 - 0.5]).collect();
+    let line = Extent::Line { free: [true; 2] };
+    parameters.flexible = vec![Flexible { name: "the line".into(), nodes, extent: line, pivot: None }];
+    let per_length = 16 / ratio.unwrap_or(1);
+    parameters.fine_box = ratio.map(|ratio| FineBox {
+        first: [3 * per_length; 2],
+        cells: [6 * per_length; 2],
+        ratio,
+        follows: Some(Followed::Flexible(0)),
+    });
+    let mut fluid = new(&parameters);
+    // Momentum along x, energy, dissipation, and force and power of the sponge.
+    let measure = |fluid: &Fluid| {
+        let (grid, own) = (*fluid.grid(), fluid.grid_of_bodies());
+        let (low, is_fine) = (own.point(0), ratio.is_some());
+        let outside = |[x, y]: [f64; 2]| {
+            let far = |axis: usize, at: f64| !(-1e-9..own.size[axis] - 1e-9).contains(&(at - low[axis]));
+            !is_fine || far(0, x) || far(1, y)
+        };
+        let mut sums = [0.0; 5];
+        let mut add = |[x, _]: [f64; 2], u: f64, v: f64, omega: f64, volume: f64| {
+            let depth = (x.clamp(zone[0], zone[1]) - zone[0]) / (zone[1] - zone[0]);
+            let drag = [stream - u, -v].map(|rest| rest * (PI * depth).sin().powi(2) / c_eta);
+            let terms = [u, 0.5 * (u * u + v * v), nu * omega * omega, drag[0], drag[0] * u + drag[1] * v];
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += volume * term);
+        };
+        let [u, v, omega] = [fluid.velocity(0), fluid.velocity(1), fluid.vorticity(0)];
+        for point in (0..grid.len()).filter(|point| outside(grid.point(*point))) {
+            add(grid.point(point), u[point], v[point], omega[point], grid.cell_volume());
+        }
+        if is_fine {
+            let [u, v, omega] = [fluid.fine_velocity(0), fluid.fine_velocity(1), fluid.fine_vorticity(0)];
+            (0..own.len()).for_each(|point| add([0.0; 2], u[point], v[point], omega[point], own.cell_volume()));
+        }
+        sums
+    };
+    let (mut last, mut last_power) = (measure(&fluid), 0.0);
+    let (mut beyond, mut given) = ([0.0; 2], [0.0; 2]);
+    let steps = (2.0 / h).round() as usize;
+    for step in 1..=steps {
+        let t = h * step as f64;
+        let line = &mut fluid.stations_mut()[0];
+        for (axis, speed) in [-0.8, 0.3].into_iter().enumerate() {
+            let way = speed * ((t - t.sin()) - (t - h - (t - h).sin()));
+            line.position[axis].iter_mut().for_each(|at| *at += way);
+            line.velocity[axis].fill(speed * (1.0 - t.cos()));
+        }
+        advance(&mut fluid, 1, h);
+        let (now, exchange) = (measure(&fluid), fluid.exchange()[0]);
+        if 2 * step > steps {
+            let mean = |k: usize| 0.5 * h * (now[k] + last[k]);
+            let by_line = [-h * exchange.force[0], -0.5 * h * (exchange.power + last_power)];
+            let gained = [now[0] - last[0] - mean(3), now[1] - last[1] + mean(2) - mean(4)];
+            (0..2).for_each(|k| (beyond[k], given[k]) = (beyond[k] + gained[k] - by_line[k], given[k] + by_line[k]));
+        }
+        (last, last_power) = (now, exchange.power);
+    }
+    [beyond[0] / given[0], beyond[1] / given[1]]
+}
+
+/// What is left is the error in time, as on one grid: backward differences and the start of the window are of its order.
+#[test]
+fn line_sponge_and_viscosity_account_for_momentum_and_energy_of_both_grids() {
+    let one = surplus(None, 0.01);
+    for (ratio, h, allowed) in [(2, 0.01, [5e-3, 6e-3]), (4, 0.01, [9e-3, 6e-3]), (4, 2.5e-3, [1e-3, 3e-3])] {
+        let two = surplus(Some(ratio), h);
+        let fits = (0..2).all(|k| two[k].abs() < allowed[k]);
+        assert!(
+            fits,
+            "ratio {ratio}, steps of {h} s: {two:?} of momentum and work, on one grid {one:?} in steps of 0.01 s"
+        );
+    }
 }
 
 /// Advance, and check that the box has gone with a body by the same way but for a coarse cell.
