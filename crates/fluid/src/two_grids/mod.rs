@@ -43,7 +43,7 @@ use crate::space::{Space, Vector};
 use crate::spectral::{AdvectionRate, Transforms};
 use crate::state::{Memory, TwoGridsMemory, TwoStep};
 use crate::stations::Stations;
-use crate::step::{Differences, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
+use crate::step::{Differences, DomainReader, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
 
 use coarse::{Background, Coarse};
 use transfer::Rows;
@@ -549,14 +549,17 @@ where
         pi
     }
 
-    fn static_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+    fn read_in_domain(
+        &mut self,
+        flow: &Flow<R, D>,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
+        read: &mut DomainReader,
+    ) {
         self.total_pressure(flow, present, problem);
         let Self { fine, coarse, .. } = self;
         let pi = fine.source_mut().iter().flatten().next().map_or(&[][..], |pi| pi);
-        let mut pressure = coarse.static_pressure();
-        let background = &coarse.background;
-        background.transfer.for_each_in_box(|point, own| pressure[point] = static_pressure(pi, flow, own));
-        pressure
+        coarse.read_in_domain(|own| static_pressure(pi, flow, own), read);
     }
 
     fn for_each_in_domain<'a>(
