@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nervure import api, load
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.output.animation import Frames
 from nervure.output.flow import View
 from nervure.scene import validate
@@ -127,6 +127,22 @@ def test_a_run_with_a_box_that_follows_is_continued_from_its_checkpoint(librarie
     assert np.abs(shared - fine[::2, ::2]).max() < 1e-6, "and the same flow where both have a point"
     assert np.ptp(box, axis=0).tolist() == [6, 6] and box[0, 0] == low[-1]
     assert abs(solid[:, 0].mean() - at[-1]) < 0.05
+
+
+def test_a_run_moves_its_box_by_a_drive_as_a_box_that_follows_the_body(libraries, tmp_path):
+    scene = driven(0.5)
+    body = api.run(validate(scene), tmp_path / "body", quiet=True).series
+    scene["fluid"]["fine_box"]["follow"] = "master"
+    point = api.run(
+        validate(scene), tmp_path / "point", drive=lambda time, _: {"fine_box.motion.x": -time}, quiet=True
+    ).series
+    assert body["fine_box_x"][-1] < -3.25, body["fine_box_x"][-1]
+    for name in ("fine_box_x", "drag"):
+        assert np.array_equal(body[name], point[name]), f"{name}: {body[name]}, by a drive {point[name]}"
+    with pytest.raises(
+        InputError, match=r"fine_box.motion.x, fine_box.motion.y to the master \(fluid.fine_box.follow\)"
+    ):
+        api.run(validate(scene), tmp_path / "nobody", quiet=True)
 
 
 def test_a_box_that_goes_through_a_side_is_drawn_on_both():

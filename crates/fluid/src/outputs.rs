@@ -206,6 +206,12 @@ where
         &mut self.motion.displaced_to[place.expect("the master moves the body")]
     }
 
+    /// Return the displacement at the end of the coming step of the point that the fine box follows, m, to be set before
+    /// [`Self::advance`]; unused unless the master moves the box.
+    pub fn box_displacement_mut(&mut self) -> &mut [f64; D] {
+        &mut self.problem.box_displacement
+    }
+
     /// Return the force of the fluid on a flexible body, numbered from 0, in the last step.
     pub fn force_on_flexible(&self, body: usize) -> Force<D> {
         self.present.bodies[self.problem.bodies.rigid.len() + body].force

@@ -443,6 +443,30 @@ fn line_sponge_and_viscosity_account_for_momentum_and_energy_of_both_grids() {
     }
 }
 
+#[test]
+fn a_box_that_follows_a_point_is_where_one_that_follows_the_body_there_is() {
+    // The way never ends where a move begins.
+    let h = 0.013;
+    let parameters = driven(12, 2, h);
+    let mut by_master = parameters.clone();
+    by_master.fine_box.iter_mut().for_each(|fine| fine.follows = Some(Followed::Master));
+    let [mut fluid, mut other] = [&parameters, &by_master].map(new);
+    for step in 1..=60 {
+        let t = h * f64::from(step);
+        *other.box_displacement_mut() = [-t, 0.2 * t];
+        advance(&mut fluid, 1, h);
+        advance(&mut other, 1, h);
+        assert_eq!(fluid.grid_of_bodies().point(0), other.grid_of_bodies().point(0), "at {t} s");
+        assert_eq!(fluid.force_on_body(0), other.force_on_body(0), "at {t} s");
+    }
+    let low = fluid.grid_of_bodies().point(0)[0];
+    assert!(low < -3.5, "the box begins at {low} m");
+    // A point that jumps is followed by a cell at a time; the body that stays behind comes to the rim.
+    *other.box_displacement_mut() = [f64::NAN, 5.0];
+    let refused = (60..200).find_map(|step| other.advance(h * f64::from(step), h).err());
+    assert!(matches!(refused, Some(Error::Rim { .. })), "{refused:?}");
+}
+
 /// Advance, and check that the box has gone with a body by the same way but for a coarse cell.
 fn follows<const D: usize>(parameters: &Parameters<D>, set: impl Fn(&mut Fluid<D>, f64)) -> Fluid<D>
 where

@@ -19,7 +19,7 @@
 //! Both are stepped by [`Sbdf2`], U with steps as much longer as its cells are larger, ahead of u and linear between its
 //! steps, under the mean force of the last of them.
 //!
-//! The box follows a body by whole coarse cells. The correction u', its pressure and the bodies are periodic and stay in
+//! The box follows a body, or a point that the master moves, by whole coarse cells. The correction u', its pressure and the bodies are periodic and stay in
 //! place: in all stored flows the cells that the box leaves become those that it newly covers, with another coarse flow.
 
 mod coarse;
@@ -69,7 +69,7 @@ where
     ratio: f64,
     /// Largest CFL number of a step.
     max_cfl: f64,
-    /// The body that the box follows, and its place where the box has not moved, m.
+    /// What the box follows, and its place where the box has not moved, m.
     follows: Option<(Followed, Vector<D>)>,
     /// Coarse cells along each axis by which the box may move back and forth, between walls and zones.
     range: [[f64; 2]; D],
@@ -142,19 +142,22 @@ where
         }
     }
 
-    /// Return the coarse cells along an axis by which the followed body has left its place in the box.
+    /// Return the coarse cells along an axis by which what the box follows has left its place in it.
     fn cells_left(&self, axis: usize, problem: &Problem<D>, stations: &[Stations<D>]) -> f64 {
         let Some((body, home)) = self.follows else { return 0.0 };
         self.coarse.cells_left(axis, problem.place_of(body, stations)[axis] - home[axis])
     }
 
-    /// Move the box after the body that it follows, by at most a coarse cell along each axis.
+    /// Move the box after what it follows, by at most a coarse cell along each axis.
     fn follow(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         for axis in 0..D {
             let (left, moved) =
                 (self.cells_left(axis, problem, &present.flexible.stations), self.coarse.link.moved[axis]);
             let to = f64::from(moved) + left.signum();
-            if left.abs() <= SLACK || to < self.range[axis][0] || to > self.range[axis][1] {
+            let [least, most] = self.range[axis];
+            // Not a number is no way.
+            let moves = left.abs() > SLACK && (least..=most).contains(&to);
+            if !moves {
                 continue;
             }
             let forwards = left > 0.0;
@@ -340,7 +343,7 @@ where
         // A body that jumps may be in another period of the box.
         let jumps =
             |axis: usize| self.cells_left(axis, problem, stations).abs() * self.ratio > 0.5 * grid.cells[axis] as f64;
-        if let Some((body, _)) = self.follows
+        if let Some((body, _)) = self.follows.filter(|(body, _)| *body != Followed::Master)
             && (0..D).any(jumps)
         {
             place = Some(problem.place_of(body, stations).iter().copied().collect());
