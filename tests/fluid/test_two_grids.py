@@ -169,6 +169,12 @@ FINE = SCENE["fluid"]["fine_box"]
         ({"fine_box": FINE | {"y": [-1.0, 1.0]}}, ["fluid.fine_box.y", "16 cells of the large box across, and has 8"]),
         ({"fine_box": FINE | {"x": [-5.0, 3.0]}}, ["fluid.fine_box.x", "inside the box"]),
         ({"fine_box": FINE | {"x": [-2.0, 7.0]}}, ["fluid.fine_box.x", "into the sponge"]),
+        (
+            {"inflow": {"x": [-4.0, -1.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1, "profile": "uniform"}},
+            ["fluid.fine_box.x", "into the inflow"],
+        ),
+        ({"fine_box": [FINE, FINE]}, ["fluid.fine_box", "must be an object with `x` and `y`"]),
+        ({"fine_box": FINE | {"fine_box": FINE}}, ["unknown key `fluid.fine_box.fine_box`"]),
         ({"fine_box": FINE | {"z": [-2.0, 2.0]}}, ["fluid.fine_box.z", "axes of `box`"]),
         ({"channel": {"y": [-1.5, 3.0]}}, ["fluid.fine_box.y", "between the walls"]),
         ({"fine_box": FINE | {"follow": "body[1]"}}, ["fluid.fine_box.follow", "it must be one of `beam`"]),

@@ -256,6 +256,10 @@ fn a_fine_box_that_cannot_be_is_refused_in_words() {
         (fine(&|fine| fine.first[1] = 20), "reaches along y from 1.000000e0 to 5.000000e0 m, out of the domain"),
         (message(&|of| of.walls[1] = Some([-1.9, 3.0])), "m, through the walls at -1.900000e0 and 3.000000e0 m"),
         (fine(&|fine| fine.first[0] = 20), "m, into the sponge from 6.000000e0 to 8.000000e0 m"),
+        (
+            message(&|of| of.inflow = of.sponge.clone().map(|zone| Zone { x: [-3.0, -1.5], ..zone })),
+            "m, into the inflow",
+        ),
         (message(&|of| of.scheme = scene::TimeScheme::Rk2), "the fine box needs the scheme sbdf2"),
     ] {
         assert!(found.contains(expected), "{found:?} is not {expected:?}");
@@ -465,6 +469,34 @@ fn a_box_that_follows_a_point_is_where_one_that_follows_the_body_there_is() {
     *other.box_displacement_mut() = [f64::NAN, 5.0];
     let refused = (60..200).find_map(|step| other.advance(h * f64::from(step), h).err());
     assert!(matches!(refused, Some(Error::Rim { .. })), "{refused:?}");
+}
+
+/// Inflow and both walls touch the fine box. Between a wall and its rim there are coarse cells alone, so that the drag has
+/// the error of these: on one grid of 6 cells a diameter it is 5 % off.
+#[test]
+fn a_cylinder_in_a_box_from_wall_to_wall_has_the_drag_of_one_grid() {
+    let (h, steps) = (0.01, 300);
+    let drag = |cells: usize, ratio: Option<usize>| {
+        let per_length = cells / ratio.unwrap_or(1);
+        let domain = [[-4.0, 6.0], [-3.0, 3.0]];
+        let mut parameters = Parameters::new(domain, [10 * per_length, 6 * per_length], 1.0, 0.025, h);
+        parameters.walls[1] = Some([-2.5, 2.5]);
+        parameters.initial_velocity = [1.0, 0.0];
+        let zone = |x| Some(Zone { x, parabolic: true, mean_velocity: Law::constant(1.0), c_eta: 0.05 });
+        (parameters.inflow, parameters.sponge) = (zone([-4.0, -3.0]), zone([4.0, 6.0]));
+        parameters.bodies = vec![Body::still("the cylinder", Outline::Circle(0.5), [0.0, 0.4])];
+        parameters.fine_box = ratio.map(|ratio| FineBox {
+            first: [per_length, per_length / 2],
+            cells: [7 * per_length, 5 * per_length],
+            ratio,
+            follows: None,
+        });
+        mean(&drags(&parameters, steps, h)[steps - 50..])
+    };
+    for (cells, allowed) in [(12, 0.035), (24, 0.015)] {
+        let [two, one] = [Some(2), None].map(|ratio| drag(cells, ratio));
+        assert!((two / one - 1.0).abs() < allowed, "{cells} cells a diameter: {two} beside {one}");
+    }
 }
 
 /// Advance, and check that the box has gone with a body by the same way but for a coarse cell.
