@@ -1,8 +1,10 @@
-"""A cylinder on a fine box of cells in a coarse domain, beside one grid of the fine cells."""
+"""A cylinder and a plate on a fine box of cells in a coarse domain, beside one grid of the fine cells."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
+from math import radians
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -57,3 +59,63 @@ def beside(data: Data) -> list[dict[str, Any]]:
 
 
 STUDY = Study("two-grids", cases, lambda case, run: run.found, {"two-grids": beside})
+
+BOXES: dict[str, list[list[float]]] = {
+    "3 x 3": [[-1.5, 1.5], [-1.5, 1.5]],
+    "4 x 4": [[-2.0, 2.0], [-2.0, 2.0]],
+    "6 x 4": [[-2.0, 4.0], [-2.0, 2.0]],
+    "8 x 6": [[-3.0, 5.0], [-3.0, 3.0]],
+    "12 x 8": [[-4.0, 8.0], [-4.0, 4.0]],
+}
+"""Ends of the fine box by its size, lengths of the body."""
+SHAPES: dict[str, dict[str, Any]] = {
+    "cylinder": {"shape": {"circle": {"radius": 0.5}}},
+    "plate": {"shape": {"plate": {"length": 1.0}}, "motion": {"angle": {"constant": -radians(30)}}},
+}
+ONE, CELLS, END, WINDOW = "one grid", 16, 20.0, 4.0  # Cells a length; time and its last part that counts, s
+FEWEST = 6.0  # Large cells between the body and the ends of the box: 5 are refused
+
+
+def large_cells(size: str, ratio: int) -> float:
+    """Return the large cells between the body and the nearest end of the box."""
+    return float((min(abs(end) for ends in BOXES[size] for end in ends) - 0.5) * CELLS / ratio)
+
+
+def sizes() -> Iterator[Case]:
+    boxes = [(size, ratio) for size, ratio in product(BOXES, (2, 4)) if large_cells(size, ratio) >= FEWEST]
+    for (name, shape), (size, ratio) in product(SHAPES.items(), [(ONE, 1), *boxes]):
+        fine = dict(zip("xy", BOXES[size], strict=True)) | {"ratio": ratio} if ratio > 1 else "absent"
+        changes = flapping.NARROW | {
+            "time.end": END,
+            "fluid.box.cells": [384 // ratio, 256 // ratio],
+            "fluid.fine_box": fine,
+            "fluid.bodies": [shape | {"position": [0.0, 0.0]}],
+        }
+        about = {"shape": name, "size": size, "ratio": ratio}
+        yield Case(f"{name}/{size}, {ratio}", FLUID, SCENE, changes, action=steady, about=about)
+
+
+def steady(case: Case, folder: Path) -> dict[str, Any]:
+    """Return mean drag and lift, and the processor time of the run, s."""
+    begin = process_time()
+    series = simulate.completed(case.built(), folder)
+    late = series["time"] > END - WINDOW
+    values = {name: 2 * float(series[force][late].mean()) for name, force in (("cd", "drag"), ("cl", "lift"))}
+    return {"values": values, "times": {"cpu_s": process_time() - begin}}
+
+
+def by_size(data: Data) -> list[dict[str, Any]]:
+    """Return the differences from one grid of each fine box."""
+    records = {(r.view["size"], r.view["ratio"], r.view["shape"]): r.view for r in data.of("fine-box/*")}
+    rows = []
+    for size, ratio in dict.fromkeys(key[:2] for key in records if key[0] != ONE):
+        own, one = ({name: records[*place, name] for name in SHAPES} for place in ((size, ratio), (ONE, 1)))
+        row = {"size": size, "ratio": ratio, "beside": large_cells(size, ratio)}
+        row |= {f"cd_{name}": own[name]["cd"] / one[name]["cd"] - 1 for name in SHAPES}
+        row["cl_plate"] = own["plate"]["cl"] / one["plate"]["cl"] - 1
+        row["time"] = own["plate"]["cpu_s"] / one["plate"]["cpu_s"]
+        rows.append(row)
+    return rows
+
+
+SIZES = Study("fine-box", sizes, lambda case, run: run.found, {"fine-box": by_size})

@@ -1,6 +1,6 @@
 //! The fluid of a scene, in the plane or in space.
 
-use fluid::{Error, Fluid, Motion, Parameters, Pose, Solvable, State, Stations};
+use fluid::{Error, Fluid, Followed, Motion, Parameters, Pose, Solvable, State, Stations};
 use fmi_export::require_memory;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,8 @@ where
     pub stations: Vec<Stations<D>>,
     /// Displacement of each rigid body then; unused but for those that the master moves.
     pub displacements: Vec<Pose<D>>,
+    /// Displacement of the fine box then, m; unused unless the master moves it.
+    pub box_displacement: [f64; D],
     /// None in a description.
     solver: Option<Fluid<D>>,
 }
@@ -102,6 +104,7 @@ where
         Ok(Self {
             stations: parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect(),
             displacements: vec![Pose::default(); parameters.bodies.len()],
+            box_displacement: [0.0; D],
             solver: None,
             parameters,
         })
@@ -115,10 +118,11 @@ where
 
     /// Make the solver again, for a scene with other numbers; after an error it is as before.
     pub fn change(&mut self, scene: &Scene) -> Result<(), String> {
-        let Self { stations, displacements, .. } = self;
+        let Self { stations, displacements, box_displacement, .. } = self;
         let mut changed = Self::new(scene)?;
         changed.build()?;
         (changed.stations, changed.displacements) = (stations.clone(), displacements.clone());
+        changed.box_displacement = *box_displacement;
         *self = changed;
         Ok(())
     }
@@ -148,10 +152,11 @@ where
 
     /// Start at a time (s), with the bodies where they are set.
     pub fn start_at(&mut self, start: f64) -> Result<(), Error> {
-        if start != self.solver().time() {
+        self.give_displacements();
+        let is_free = self.parameters.fine_box.is_some_and(|fine| fine.follows == Some(Followed::Master));
+        if is_free || start != self.solver().time() {
             self.solver_mut().start_at(start);
         }
-        self.give_displacements();
         self.solver_mut().announce_first()
     }
 
@@ -163,9 +168,10 @@ where
         solver.advance(t, h)
     }
 
-    /// Give the solver the displacements of the bodies that the master moves.
+    /// Give the solver the displacements of the bodies that the master moves, and of the fine box.
     fn give_displacements(&mut self) {
         let solver = self.solver.as_mut().expect(BUILT);
+        *solver.box_displacement_mut() = self.box_displacement;
         for (k, (body, displacement)) in self.parameters.bodies.iter().zip(&self.displacements).enumerate() {
             if matches!(body.motion, Some(Motion::Master)) {
                 *solver.displacement_mut(k) = *displacement;

@@ -6,7 +6,7 @@
 use std::slice::from_mut;
 
 use fluid::{Fluid, Force, Kinematics, Pose, Stations};
-use scene::{Load, Surface};
+use scene::{Followed, Load, Surface};
 
 use super::FluidUnit;
 use super::flow::{Dimensions, Flow, FlowIn};
@@ -135,6 +135,14 @@ where
         }
         for (k, names) in names.iter().enumerate() {
             list.exchange(names, k);
+        }
+        if unit.scene.followed() == Some(Followed::Master) {
+            for (axis, along) in AXES.into_iter().enumerate().take(D) {
+                let text = format!("Displacement along {along} at the end of the step that the fine box follows");
+                list.0.push(Real::input(format!("fine_box.motion.{along}"), "m", text, move |m: &mut FluidUnit| {
+                    from_mut(&mut flow::<D>(m).box_displacement[axis])
+                }));
+            }
         }
         if unit.scene.followed().is_some() {
             for (axis, along) in AXES.into_iter().enumerate().take(D) {

@@ -222,7 +222,19 @@ TUMBLING_ELLIPSOID = (
 )
 
 
-@pytest.mark.parametrize(("body", "motion", "stream"), [LIGHT_SPHERE, TUMBLING_ELLIPSOID], ids=["light", "tumbling"])
+ON_TWO_GRIDS = {
+    "box": {axis: [-1.6, 1.6] for axis in "xyz"} | {"cells": [24] * 3},
+    "fine_box": {axis: [-1.333, 1.333] for axis in "xyz"} | {"ratio": 2, "follow": "body[1]"},
+}
+# It falls far enough for its box to move.
+LIGHT_SPHERE_ON_TWO_GRIDS = (LIGHT_SPHERE[0], LIGHT_SPHERE[1] | {"gravity": [1.0, 0.0, -8.0]}, ON_TWO_GRIDS)
+
+
+@pytest.mark.parametrize(
+    ("body", "motion", "stream"),
+    [LIGHT_SPHERE, TUMBLING_ELLIPSOID, LIGHT_SPHERE_ON_TWO_GRIDS],
+    ids=["light", "tumbling", "two-grids"],
+)
 def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path):
     """What is announced to the unit of the body is what the fluid then exerts.
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from nervure import api, load
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.output.animation import Frames
 from nervure.output.flow import View
 from nervure.scene import validate
@@ -129,6 +129,22 @@ def test_a_run_with_a_box_that_follows_is_continued_from_its_checkpoint(librarie
     assert abs(solid[:, 0].mean() - at[-1]) < 0.05
 
 
+def test_a_run_moves_its_box_by_a_drive_as_a_box_that_follows_the_body(libraries, tmp_path):
+    scene = driven(0.5)
+    body = api.run(validate(scene), tmp_path / "body", quiet=True).series
+    scene["fluid"]["fine_box"]["follow"] = "master"
+    point = api.run(
+        validate(scene), tmp_path / "point", drive=lambda time, _: {"fine_box.motion.x": -time}, quiet=True
+    ).series
+    assert body["fine_box_x"][-1] < -3.25, body["fine_box_x"][-1]
+    for name in ("fine_box_x", "drag"):
+        assert np.array_equal(body[name], point[name]), f"{name}: {body[name]}, by a drive {point[name]}"
+    with pytest.raises(
+        InputError, match=r"fine_box.motion.x, fine_box.motion.y to the master \(fluid.fine_box.follow\)"
+    ):
+        api.run(validate(scene), tmp_path / "nobody", quiet=True)
+
+
 def test_a_box_that_goes_through_a_side_is_drawn_on_both():
     view = View(validate(driven()))
     boxes, solids = view.fine_box([-18.0, -3.0]), view.outlines([], [[-15.0, 0.0, 0.0]])
@@ -153,6 +169,12 @@ FINE = SCENE["fluid"]["fine_box"]
         ({"fine_box": FINE | {"y": [-1.0, 1.0]}}, ["fluid.fine_box.y", "16 cells of the large box across, and has 8"]),
         ({"fine_box": FINE | {"x": [-5.0, 3.0]}}, ["fluid.fine_box.x", "inside the box"]),
         ({"fine_box": FINE | {"x": [-2.0, 7.0]}}, ["fluid.fine_box.x", "into the sponge"]),
+        (
+            {"inflow": {"x": [-4.0, -1.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1, "profile": "uniform"}},
+            ["fluid.fine_box.x", "into the inflow"],
+        ),
+        ({"fine_box": [FINE, FINE]}, ["fluid.fine_box", "must be an object with `x` and `y`"]),
+        ({"fine_box": FINE | {"fine_box": FINE}}, ["unknown key `fluid.fine_box.fine_box`"]),
         ({"fine_box": FINE | {"z": [-2.0, 2.0]}}, ["fluid.fine_box.z", "axes of `box`"]),
         ({"channel": {"y": [-1.5, 3.0]}}, ["fluid.fine_box.y", "between the walls"]),
         ({"fine_box": FINE | {"follow": "body[1]"}}, ["fluid.fine_box.follow", "it must be one of `beam`"]),

@@ -17,6 +17,7 @@ from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.scene.facts import Facts
 from nervure.simulation.results import CHECKPOINT
+from tests.fluid.test_two_grids import driven
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -155,6 +156,21 @@ def test_a_wing_is_seen_from_above(tmp_path, pages):
     )
     area = np.linalg.norm(np.cross(*sides).sum(axis=0)), np.linalg.norm(np.cross(*corners).sum(axis=(0, 1)))
     assert area[0] == pytest.approx(area[1]), "the edge is that of all triangles"
+
+
+def test_a_page_shows_the_cells_of_a_fine_box_where_it_is(tmp_path, pages):
+    scene = validate(driven(100.0))
+    run = Run(pages, lambda: nervure.run(scene, tmp_path, quiet=True, live=True))
+    frame = wait(lambda: (found := run.state(field="speed")["frame"]) and found["time"] > 0.5 and found)
+    run.ask("/stop", "POST")
+    run.thread.join(60)
+    whole, fine = (
+        np.frombuffer(base64.b64decode(part["values"]), "<f4").reshape(part["shape"]) for part in (frame, frame["fine"])
+    )
+    assert whole.shape == (32, 48) and fine.shape == (48, 48) and frame["boxes"] == [[-4.0, 8.0, -4.0, 4.0]]
+    (left, right, low, high), *_ = frame["fine"]["boxes"]
+    assert right - left == high - low == 6.0 and low == -3.0 and abs(left + 3.0 + frame["time"]) < 0.25
+    assert fine.max() > 1.0, "fast at the cylinder"
 
 
 def test_a_slice_of_a_flow_in_space_has_the_mean_of_pictures(tmp_path, pages):

@@ -78,6 +78,7 @@ where
                 scene::Followed::Body(k) => Followed::Rigid(fluid.cylinders.len() + k),
                 scene::Followed::Beam(k) => Followed::Flexible(k),
                 scene::Followed::Wing => Followed::Flexible(scene.beams().count()),
+                scene::Followed::Master => Followed::Master,
             });
             FineBox { first, cells, ratio: fine.ratio, follows }
         }),

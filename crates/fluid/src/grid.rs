@@ -141,17 +141,16 @@ impl<const D: usize> Grid<D> {
 
     /// Return the points around a point (m), four along each axis, and their weights in a cubic (Lagrange)
     /// interpolation.
-    pub fn cubic_interpolation(&self, point: [f64; D]) -> Vec<(usize, f64)> {
-        let mut points = vec![(0, 1.0)];
-        for (axis, coordinate) in point.into_iter().enumerate() {
-            let along = self.cubic(axis, coordinate);
-            let next = |&(index, before): &(usize, f64)| {
-                along
-                    .map(|(i, weight)| (index * self.cells[axis] + i, if axis == 0 { weight } else { before * weight }))
-            };
-            points = points.iter().flat_map(next).collect();
-        }
-        points
+    pub fn cubic_interpolation(&self, point: [f64; D]) -> impl Iterator<Item = (usize, f64)> + use<D> {
+        let (along, cells): ([_; D], _) = (std::array::from_fn(|axis| self.cubic(axis, point[axis])), self.cells);
+        (0..4_usize.pow(D as u32)).map(move |corner| {
+            let (mut index, mut product) = (0, 1.0);
+            for axis in 0..D {
+                let (i, weight) = along[axis][corner >> (2 * (D - 1 - axis)) & 3];
+                (index, product) = (index * cells[axis] + i, if axis == 0 { weight } else { product * weight });
+            }
+            (index, product)
+        })
     }
 
     /// Return the number of a point along an axis in the first period.

@@ -10,10 +10,29 @@ use crate::pressures::{PressurePlaces, Pressures};
 use crate::solver::Solvable;
 use crate::stations::{Loads, Stations};
 
-/// A probe on two grids: whether it is in the fine box, and the points there or of the domain with their weights.
-struct OnGrids {
-    in_box: bool,
-    around: Vec<(usize, f64)>,
+/// A grid point with its weight.
+type Weighted = (usize, f64);
+
+/// Most points of a cubic interpolation.
+const MOST: usize = 64;
+
+/// The place of a probe on two grids, m: in the fine box where that was first, or in the domain.
+enum OnGrids<const D: usize> {
+    InBox([f64; D]),
+    Outside([f64; D]),
+}
+
+impl<const D: usize> OnGrids<D> {
+    /// Return the place of a point (m) of a domain with such a fine box.
+    fn find(position: [f64; D], domain: &Grid<D>, fine: &Grid<D>) -> Self {
+        let low = fine.low();
+        let image = std::array::from_fn(|axis| low[axis] + (position[axis] - low[axis]).rem_euclid(domain.size[axis]));
+        let is_inside = |axis: usize| {
+            let cells = (image[axis] - low[axis]) / fine.spacing[axis];
+            1.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
+        };
+        if (0..D).all(is_inside) { Self::InBox(image) } else { Self::Outside(position) }
+    }
 }
 
 impl<const D: usize> Fluid<D>
@@ -48,8 +67,10 @@ where
     /// Return the static pressure p = rho (Pi − u²/2), Pa; Pi has zero mean over the domain. It takes one more transform
     /// than there are dimensions.
     pub fn pressure(&mut self) -> Vec<f64> {
-        let mut pressure = self.solver.pressure(&self.present, &mut self.problem);
-        pressure.iter_mut().for_each(|pressure| *pressure *= self.density);
+        let (density, mut pressure) = (self.density, vec![0.0; self.grid.len()]);
+        self.solver.read_in_domain(&self.present, &mut self.problem, &mut |at| {
+            pressure.iter_mut().enumerate().for_each(|(point, pressure)| *pressure = density * at(point));
+        });
         pressure
     }
 
@@ -91,30 +112,14 @@ where
 
     /// Return the velocity at a probe, numbered from 0, m/s.
     pub fn probe_velocity(&self, probe: usize) -> [f64; D] {
-        match self.probe_on_grids(probe) {
-            None => self.solver.velocity_by(&self.probes[probe].around),
-            Some(OnGrids { in_box: true, around }) => self.solver.velocity_by(&around),
-            Some(OnGrids { around, .. }) => self.solver.coarse_velocity_by(&around),
-        }
-    }
-
-    /// Return the place of a probe on two grids; none on one.
-    fn probe_on_grids(&self, probe: usize) -> Option<OnGrids> {
-        let (position, fine) = (self.probe_places[probe], self.grid_of_bodies());
         if !self.has_fine_box() {
-            return None;
+            return self.solver.velocity_by(&self.probes[probe].around);
         }
-        let low = fine.low();
-        let image =
-            std::array::from_fn(|axis| low[axis] + (position[axis] - low[axis]).rem_euclid(self.grid.size[axis]));
-        let is_inside = |axis: usize| {
-            let cells = (image[axis] - low[axis]) / fine.spacing[axis];
-            1.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
-        };
-        let in_box = (0..D).all(is_inside);
-        let around =
-            if in_box { self.problem.grid.cubic_interpolation(image) } else { self.grid.cubic_interpolation(position) };
-        Some(OnGrids { in_box, around })
+        let mut room = [(0, 0.0); MOST];
+        match OnGrids::find(self.probe_places[probe], &self.grid, &self.grid_of_bodies()) {
+            OnGrids::InBox(at) => self.solver.velocity_by(around(at, &self.problem.grid, &mut room)),
+            OnGrids::Outside(at) => self.solver.coarse_velocity_by(around(at, &self.grid, &mut room)),
+        }
     }
 
     /// Return whether there are two grids.
@@ -201,6 +206,12 @@ where
         &mut self.motion.displaced_to[place.expect("the master moves the body")]
     }
 
+    /// Return the displacement at the end of the coming step of the point that the fine box follows, m, to be set before
+    /// [`Self::advance`]; unused unless the master moves the box.
+    pub fn box_displacement_mut(&mut self) -> &mut [f64; D] {
+        &mut self.problem.box_displacement
+    }
+
     /// Return the force of the fluid on a flexible body, numbered from 0, in the last step.
     pub fn force_on_flexible(&self, body: usize) -> Force<D> {
         self.present.bodies[self.problem.bodies.rigid.len() + body].force
@@ -251,30 +262,32 @@ where
     }
 
     fn pressures(&mut self) -> &Pressures {
-        let on_grids: Vec<_> = if self.pressures.is_current() {
-            vec![]
-        } else {
-            (0..self.probes.len()).filter_map(|k| Some((k, self.probe_on_grids(k)?))).collect()
+        let (fine, is_two, moved) = (self.grid_of_bodies(), self.has_fine_box(), self.solver.way() != [0.0; D]);
+        let Self { problem, present, solver, density, probes, probe_places, outlet, pressures, grid, .. } = self;
+        let density = *density;
+        let places = || probe_places.iter().filter(|_| is_two).map(|position| OnGrids::find(*position, grid, &fine));
+        let sum = |of: &Grid<D>, place: [f64; D], at: &dyn Fn(usize) -> f64| {
+            density * of.cubic_interpolation(place).map(|(point, share)| share * at(point)).sum::<f64>()
         };
-        let moved = self.solver.way() != [0.0; D];
-        let Self { problem, present, solver, density, probes, outlet, pressures, .. } = self;
         pressures.get(|pressures| {
             solver.read_pressure(present, problem, &mut |problem, at| {
                 let (grid, beams, stations) = (&problem.grid, &problem.bodies.beams, &present.flexible.stations);
                 let (outlet, thin) = (outlet.as_ref(), &present.flexible.jump);
-                let density = *density;
                 PressurePlaces { grid, density, probes, outlet, beams, stations, thin }.read(at, pressures);
-                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| probe.in_box && moved) {
-                    pressures.probes[*k] =
-                        density * around.iter().map(|&(point, share)| share * at(point)).sum::<f64>();
+                for (pressure, probe) in pressures.probes.iter_mut().zip(places()).filter(|_| moved) {
+                    if let OnGrids::InBox(place) = probe {
+                        *pressure = sum(grid, place, at);
+                    }
                 }
             });
-            if on_grids.iter().any(|(_, probe)| !probe.in_box) {
-                let all = solver.pressure(present, problem);
-                for (k, OnGrids { around, .. }) in on_grids.iter().filter(|(_, probe)| !probe.in_box) {
-                    pressures.probes[*k] =
-                        *density * around.iter().map(|&(point, share)| share * all[point]).sum::<f64>();
-                }
+            if places().any(|probe| matches!(probe, OnGrids::Outside(_))) {
+                solver.read_in_domain(present, problem, &mut |at| {
+                    for (pressure, probe) in pressures.probes.iter_mut().zip(places()) {
+                        if let OnGrids::Outside(place) = probe {
+                            *pressure = sum(grid, place, at);
+                        }
+                    }
+                });
             }
         })
     }
@@ -284,4 +297,13 @@ where
     pub fn timer(&mut self) -> &mut crate::timer::PhaseTimer {
         &mut self.problem.timer
     }
+}
+
+/// Write the grid points around a place (m) with their weights, and return them.
+fn around<'a, const D: usize>(place: [f64; D], grid: &Grid<D>, room: &'a mut [Weighted; MOST]) -> &'a [Weighted] {
+    let mut count = 0;
+    for (own, point) in room.iter_mut().zip(grid.cubic_interpolation(place)) {
+        (*own, count) = (point, count + 1);
+    }
+    &room[..count]
 }

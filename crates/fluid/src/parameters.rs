@@ -89,13 +89,15 @@ pub struct FineBox<const D: usize = 2> {
     pub follows: Option<Followed>,
 }
 
-/// A body, by its number among those of its kind.
-#[derive(Clone, Copy, Debug)]
+/// What a fine box follows: a body, by its number among those of its kind, or a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Followed {
     /// The centroid of a rigid body.
     Rigid(usize),
     /// The mean of the nodes of a flexible one.
     Flexible(usize),
+    /// A point that the master moves, see [`Fluid::box_displacement_mut`](crate::Fluid::box_displacement_mut).
+    Master,
 }
 
 impl<const D: usize> FineBox<D> {
@@ -383,7 +385,7 @@ where
             }
         }
         let known = match fine.follows {
-            None => true,
+            None | Some(Followed::Master) => true,
             Some(Followed::Rigid(body)) => body < self.bodies.len(),
             Some(Followed::Flexible(body)) => self.flexible.get(body).is_some_and(|body| !body.nodes.is_empty()),
         };

@@ -24,11 +24,6 @@ impl<T> Cached<T> {
         self.is_current = false;
     }
 
-    /// Return whether the value is not stale.
-    pub fn is_current(&self) -> bool {
-        self.is_current
-    }
-
     /// Return the value; `make` writes it if it is stale.
     pub fn get(&mut self, make: impl FnOnce(&mut T)) -> &T {
         if !self.is_current {

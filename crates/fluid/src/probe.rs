@@ -86,11 +86,11 @@ impl Probe {
             }
             let sample = |(i, share): (usize, f64)| {
                 let around = grid.cubic_interpolation(place(i).into());
-                around.into_iter().map(move |(point, weight)| (point, share * weight))
+                around.map(move |(point, weight)| (point, share * weight))
             };
             at_wall = Some(shares.into_iter().enumerate().flat_map(sample).collect());
         }
-        Self { around: grid.cubic_interpolation(position), at_wall }
+        Self { around: grid.cubic_interpolation(position).collect(), at_wall }
     }
 
     /// Return the pressure, given at a grid point.

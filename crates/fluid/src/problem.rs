@@ -25,6 +25,8 @@ where
     pub thin: ThinBodies<D>,
     /// Times of the phases of a step.
     pub timer: PhaseTimer,
+    /// Displacement that the master gives the fine box, m.
+    pub box_displacement: [f64; D],
     /// Prescribed mean velocity; absent: free.
     mean_flow: Option<[Law; D]>,
 }
@@ -43,6 +45,7 @@ where
             bodies,
             thin,
             timer: PhaseTimer::default(),
+            box_displacement: [0.0; D],
             mean_flow: parameters.mean_flow.clone(),
             grid,
         }
@@ -59,11 +62,12 @@ where
         self.thin.place(stations, &self.bodies.rigid, &self.grid);
     }
 
-    /// Return the place of a body that the fine box follows, m.
+    /// Return the place of what the fine box follows, m; of a point its displacement.
     pub fn place_of(&self, body: Followed, stations: &[Stations<D>]) -> Vector<D> {
         match body {
             Followed::Rigid(body) => self.bodies.rigid[body].pose.position + self.bodies.rigid[body].centroid(),
             Followed::Flexible(body) => stations[body].middle(),
+            Followed::Master => self.box_displacement.into(),
         }
     }
 

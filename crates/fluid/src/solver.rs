@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::{PlaneTransforms, Transforms, VolumeTransforms};
 use crate::state::{ByPrecision, Fields, Stored};
-use crate::step::{Rk2, Sbdf2, Scheme, StartVelocity, Substep, square, static_pressure};
+use crate::step::{DomainReader, Rk2, Sbdf2, Scheme, StartVelocity, Substep, square, static_pressure};
 use crate::two_grids::TwoGrids;
 
 /// Reads the static pressure over the density, given at a grid point.
@@ -50,8 +50,8 @@ where
     /// Call `read` with the problem and the static pressure over the density, `Pi − u²/2` (m²/s²), at a grid point.
     fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>);
 
-    /// Return the static pressure over the density at all points of the domain, m²/s².
-    fn pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64>;
+    /// Call `read` with the same at a point of the domain.
+    fn read_in_domain(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut DomainReader);
 
     /// Return the largest divergence (1/s) and the largest speed (m/s).
     fn divergence(&mut self) -> [f64; 2];
@@ -200,8 +200,8 @@ where
         read(problem, &|point| static_pressure(pi, flow, point));
     }
 
-    fn pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
-        self.scheme.static_pressure(&self.flow, present, problem)
+    fn read_in_domain(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut DomainReader) {
+        self.scheme.read_in_domain(&self.flow, present, problem, read);
     }
 
     fn divergence(&mut self) -> [f64; 2] {

@@ -1,6 +1,6 @@
 //! Two grids: a fine box in a coarse domain, beside one grid of fine cells.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::{
     Body, Error, Extent, FineBox, Flexible, Fluid, Followed, Law, Motion, Mount, Outline, Parameters, Precision, Solid,
@@ -207,12 +207,19 @@ fn a_refused_step_changes_nothing() {
 }
 
 #[test]
-fn a_step_allocates_nothing() {
+fn steps_and_probes_allocate_nothing() {
     let h = 0.0125;
-    let mut fluid = new(&driven(16, 4, h));
-    advance(&mut fluid, 9, h);
+    let mut parameters = driven(16, 4, h);
+    // In the box and outside.
+    parameters.probes = vec![[-1.0, 0.5], [6.0, 0.0]];
+    let mut fluid = new(&parameters);
+    let step = |fluid: &mut Fluid| {
+        advance(fluid, 1, h);
+        (0..2).map(|probe| fluid.probe_velocity(probe)[0] + fluid.probe_pressure(probe)).sum::<f64>()
+    };
+    let first = (0..9).map(|_| step(&mut fluid)).sum::<f64>();
     let low = fluid.grid_of_bodies().point(0);
-    let counted = allocation_counter::measure(|| advance(&mut fluid, 9, h));
+    let counted = allocation_counter::measure(|| assert!((0..9).map(|_| step(&mut fluid)).sum::<f64>() != first));
     assert!(fluid.grid_of_bodies().point(0) != low, "the box stays");
     assert_eq!(counted.count_total, 0, "{counted:?}");
 }
@@ -249,6 +256,10 @@ fn a_fine_box_that_cannot_be_is_refused_in_words() {
         (fine(&|fine| fine.first[1] = 20), "reaches along y from 1.000000e0 to 5.000000e0 m, out of the domain"),
         (message(&|of| of.walls[1] = Some([-1.9, 3.0])), "m, through the walls at -1.900000e0 and 3.000000e0 m"),
         (fine(&|fine| fine.first[0] = 20), "m, into the sponge from 6.000000e0 to 8.000000e0 m"),
+        (
+            message(&|of| of.inflow = of.sponge.clone().map(|zone| Zone { x: [-3.0, -1.5], ..zone })),
+            "m, into the inflow",
+        ),
         (message(&|of| of.scheme = scene::TimeScheme::Rk2), "the fine box needs the scheme sbdf2"),
     ] {
         assert!(found.contains(expected), "{found:?} is not {expected:?}");
@@ -351,6 +362,141 @@ fn a_driven_cylinder_has_the_drag_of_one_in_a_stream_through_more_than_a_period(
         (0..2).all(|axis| (at[axis] - low[axis] - 3.0).abs() < 0.2),
         "the body at {at:?} m in a box from {low:?} m"
     );
+}
+
+/// Over the last half of two seconds in which a line is drawn through a stream that a sponge keeps: return the momentum along
+/// x that both grids gain beyond what line and sponge give, over what the line gives, and the same of the energy, which
+/// viscosity takes too.
+fn surplus(ratio: Option<usize>, h: f64) -> [f64; 2] {
+    let (nu, c_eta, zone, stream) = (0.025, 0.3, [4.5, 5.5], 0.5);
+    let mut parameters = driven(16, ratio.unwrap_or(1), h);
+    (parameters.domain[0], parameters.cells[0]) = (parameters.domain[1], parameters.cells[1]);
+    (parameters.kinematic_viscosity, parameters.initial_velocity, parameters.bodies) = (nu, [stream, 0.0], vec![]);
+    parameters.sponge = Some(Zone { x: zone, parabolic: false, mean_velocity: Law::constant(stream), c_eta });
+    let nodes: Vec<_> = (0..17).map(|k| [0.02, f64::from(k) / 16.0 - 0.5]).collect();
+    let line = Extent::Line { free: [true; 2] };
+    parameters.flexible = vec![Flexible { name: "the line".into(), nodes, extent: line, pivot: None }];
+    let per_length = 16 / ratio.unwrap_or(1);
+    parameters.fine_box = ratio.map(|ratio| FineBox {
+        first: [3 * per_length; 2],
+        cells: [6 * per_length; 2],
+        ratio,
+        follows: Some(Followed::Flexible(0)),
+    });
+    let mut fluid = new(&parameters);
+    // Momentum along x, energy, dissipation, and force and power of the sponge.
+    let measure = |fluid: &Fluid| {
+        let (grid, own) = (*fluid.grid(), fluid.grid_of_bodies());
+        let (low, is_fine) = (own.point(0), ratio.is_some());
+        let outside = |[x, y]: [f64; 2]| {
+            let far = |axis: usize, at: f64| !(-1e-9..own.size[axis] - 1e-9).contains(&(at - low[axis]));
+            !is_fine || far(0, x) || far(1, y)
+        };
+        let mut sums = [0.0; 5];
+        let mut add = |[x, _]: [f64; 2], u: f64, v: f64, omega: f64, volume: f64| {
+            let depth = (x.clamp(zone[0], zone[1]) - zone[0]) / (zone[1] - zone[0]);
+            let drag = [stream - u, -v].map(|rest| rest * (PI * depth).sin().powi(2) / c_eta);
+            let terms = [u, 0.5 * (u * u + v * v), nu * omega * omega, drag[0], drag[0] * u + drag[1] * v];
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += volume * term);
+        };
+        let [u, v, omega] = [fluid.velocity(0), fluid.velocity(1), fluid.vorticity(0)];
+        for point in (0..grid.len()).filter(|point| outside(grid.point(*point))) {
+            add(grid.point(point), u[point], v[point], omega[point], grid.cell_volume());
+        }
+        if is_fine {
+            let [u, v, omega] = [fluid.fine_velocity(0), fluid.fine_velocity(1), fluid.fine_vorticity(0)];
+            (0..own.len()).for_each(|point| add([0.0; 2], u[point], v[point], omega[point], own.cell_volume()));
+        }
+        sums
+    };
+    let (mut last, mut last_power) = (measure(&fluid), 0.0);
+    let (mut beyond, mut given) = ([0.0; 2], [0.0; 2]);
+    let steps = (2.0 / h).round() as usize;
+    for step in 1..=steps {
+        let t = h * step as f64;
+        let line = &mut fluid.stations_mut()[0];
+        for (axis, speed) in [-0.8, 0.3].into_iter().enumerate() {
+            let way = speed * ((t - t.sin()) - (t - h - (t - h).sin()));
+            line.position[axis].iter_mut().for_each(|at| *at += way);
+            line.velocity[axis].fill(speed * (1.0 - t.cos()));
+        }
+        advance(&mut fluid, 1, h);
+        let (now, exchange) = (measure(&fluid), fluid.exchange()[0]);
+        if 2 * step > steps {
+            let mean = |k: usize| 0.5 * h * (now[k] + last[k]);
+            let by_line = [-h * exchange.force[0], -0.5 * h * (exchange.power + last_power)];
+            let gained = [now[0] - last[0] - mean(3), now[1] - last[1] + mean(2) - mean(4)];
+            (0..2).for_each(|k| (beyond[k], given[k]) = (beyond[k] + gained[k] - by_line[k], given[k] + by_line[k]));
+        }
+        (last, last_power) = (now, exchange.power);
+    }
+    [beyond[0] / given[0], beyond[1] / given[1]]
+}
+
+/// What is left is the error in time, as on one grid: backward differences and the start of the window are of its order.
+#[test]
+fn line_sponge_and_viscosity_account_for_momentum_and_energy_of_both_grids() {
+    let one = surplus(None, 0.01);
+    for (ratio, h, allowed) in [(2, 0.01, [5e-3, 6e-3]), (4, 0.01, [9e-3, 6e-3]), (4, 2.5e-3, [1e-3, 3e-3])] {
+        let two = surplus(Some(ratio), h);
+        let fits = (0..2).all(|k| two[k].abs() < allowed[k]);
+        assert!(
+            fits,
+            "ratio {ratio}, steps of {h} s: {two:?} of momentum and work, on one grid {one:?} in steps of 0.01 s"
+        );
+    }
+}
+
+#[test]
+fn a_box_that_follows_a_point_is_where_one_that_follows_the_body_there_is() {
+    // The way never ends where a move begins.
+    let h = 0.013;
+    let parameters = driven(12, 2, h);
+    let mut by_master = parameters.clone();
+    by_master.fine_box.iter_mut().for_each(|fine| fine.follows = Some(Followed::Master));
+    let [mut fluid, mut other] = [&parameters, &by_master].map(new);
+    for step in 1..=60 {
+        let t = h * f64::from(step);
+        *other.box_displacement_mut() = [-t, 0.2 * t];
+        advance(&mut fluid, 1, h);
+        advance(&mut other, 1, h);
+        assert_eq!(fluid.grid_of_bodies().point(0), other.grid_of_bodies().point(0), "at {t} s");
+        assert_eq!(fluid.force_on_body(0), other.force_on_body(0), "at {t} s");
+    }
+    let low = fluid.grid_of_bodies().point(0)[0];
+    assert!(low < -3.5, "the box begins at {low} m");
+    // A point that jumps is followed by a cell at a time; the body that stays behind comes to the rim.
+    *other.box_displacement_mut() = [f64::NAN, 5.0];
+    let refused = (60..200).find_map(|step| other.advance(h * f64::from(step), h).err());
+    assert!(matches!(refused, Some(Error::Rim { .. })), "{refused:?}");
+}
+
+/// Inflow and both walls touch the fine box. Between a wall and its rim there are coarse cells alone, so that the drag has
+/// the error of these: on one grid of 6 cells a diameter it is 5 % off.
+#[test]
+fn a_cylinder_in_a_box_from_wall_to_wall_has_the_drag_of_one_grid() {
+    let (h, steps) = (0.01, 300);
+    let drag = |cells: usize, ratio: Option<usize>| {
+        let per_length = cells / ratio.unwrap_or(1);
+        let domain = [[-4.0, 6.0], [-3.0, 3.0]];
+        let mut parameters = Parameters::new(domain, [10 * per_length, 6 * per_length], 1.0, 0.025, h);
+        parameters.walls[1] = Some([-2.5, 2.5]);
+        parameters.initial_velocity = [1.0, 0.0];
+        let zone = |x| Some(Zone { x, parabolic: true, mean_velocity: Law::constant(1.0), c_eta: 0.05 });
+        (parameters.inflow, parameters.sponge) = (zone([-4.0, -3.0]), zone([4.0, 6.0]));
+        parameters.bodies = vec![Body::still("the cylinder", Outline::Circle(0.5), [0.0, 0.4])];
+        parameters.fine_box = ratio.map(|ratio| FineBox {
+            first: [per_length, per_length / 2],
+            cells: [7 * per_length, 5 * per_length],
+            ratio,
+            follows: None,
+        });
+        mean(&drags(&parameters, steps, h)[steps - 50..])
+    };
+    for (cells, allowed) in [(12, 0.035), (24, 0.015)] {
+        let [two, one] = [Some(2), None].map(|ratio| drag(cells, ratio));
+        assert!((two / one - 1.0).abs() < allowed, "{cells} cells a diameter: {two} beside {one}");
+    }
 }
 
 /// Advance, and check that the box has gone with a body by the same way but for a coarse cell.

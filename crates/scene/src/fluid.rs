@@ -129,7 +129,8 @@ pub struct FineBox {
     #[schemars(range(min = 2, max = 8))]
     pub ratio: usize,
     /// Body, rod or wing with which the box moves, by the name of its outputs: `body[1]`, `cylinder[1]`, `beam`, or
-    /// `beam[2]` of several, `wing`. It may go through the large box from one side to the other. Absent: the box stays.
+    /// `beam[2]` of several, `wing`. It may go through the large box from one side to the other. With `master` the inputs
+    /// `fine_box.motion.x`, `.y`, `.z` displace it, m. Absent: the box stays.
     #[serde(default)]
     pub follow: Option<String>,
 }

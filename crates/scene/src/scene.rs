@@ -145,10 +145,12 @@ pub enum Followed {
     Beam(usize),
     /// The wing.
     Wing,
+    /// A point that the master moves.
+    Master,
 }
 
 impl Scene {
-    /// Return what a fine box can follow, by the names of its outputs.
+    /// Return what a fine box can follow, by the names of its outputs, or the word `master`.
     pub fn followable(&self) -> Vec<(String, Followed)> {
         let Some(fluid) = &self.fluid else { return vec![] };
         let beams = self
@@ -159,7 +161,8 @@ impl Scene {
         let cylinders = numbered("cylinder", fluid.cylinders.len()).map(|(name, k)| (name, Followed::Cylinder(k)));
         let bodies = numbered("body", fluid.bodies.len()).map(|(name, k)| (name, Followed::Body(k)));
         let wing = self.wing.iter().map(|_| ("wing".into(), Followed::Wing));
-        cylinders.chain(bodies).chain(beams).chain(wing).collect()
+        let master = [("master".into(), Followed::Master)];
+        cylinders.chain(bodies).chain(beams).chain(wing).chain(master).collect()
     }
 
     /// Return what the fine box follows.

@@ -25,6 +25,7 @@ from nervure.scene import plain
 from nervure.units.fmu import Unit
 
 ROOT, BODY, HINGE = "rod.root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
+BOX = "fluid.fine_box.follow"
 """Scene keys that leave something to the master."""
 
 DRIVEN: tuple[tuple[str, str, str | None], ...] = (
@@ -35,10 +36,11 @@ DRIVEN: tuple[tuple[str, str, str | None], ...] = (
     (BODY, r"(body\[\d+\]\.motion)\.angle", r"\1.omega"),
     (HINGE, r"(\w+)\.(stroke|deviation|pitch)", r"\1.\2_rate"),
     (BODY, r"body\[\d+\]\.motion\.(angle|omega)_[xyz]", None),  # A rotation vector has another rate
+    (BOX, r"fine_box\.motion\.[xyz]", None),
 )
 """Driven quantities: scene key, pattern of the input, and input of the rate; None where a drive sets all itself."""
 
-MASTER = re.compile(r"root\.|body\[\d+\]\.motion\.")
+MASTER = re.compile(r"root\.|(body\[\d+\]|fine_box)\.motion\.")
 
 NAME = "drive"  # Of the function in a file
 

@@ -11,6 +11,7 @@ import secrets
 import sys
 import threading
 import webbrowser
+from collections.abc import Sequence
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -153,11 +154,27 @@ class Live(Observer):
             found = [view.cut(units["fluid"].field(part)) for part in parts]
             stride = max(1, -(-max(found[0].shape) // MOST_POINTS))
             values = np.sqrt(np.sum(np.square(found), axis=0)) if len(found) > 1 else found[0]
-            values = flow.mean(values)[::stride, ::stride].T.astype("<f4")
             unit, _ = displayed_unit(UNITS[name], session.scene.display)
-            frame |= {"name": name, "unit": unit, "shape": values.shape, "box": [*view.ends[0], *view.ends[1]]}
-            frame |= {"view": view.extent, "values": base64.b64encode(values.tobytes()).decode()}
+            whole = [[*view.ends[0], *view.ends[1]]]
+            frame |= {"name": name, "unit": unit, "view": view.extent}
+            frame |= _packed(flow.mean(values)[::stride, ::stride], whole) | {"fine": self._fine(parts, view)}
         return frame
+
+    def _fine(self, parts: Sequence[str], view: flow.View) -> dict[str, Any] | None:
+        """Return the length of a vector, or a field, by its `parts` on the cells of the fine box; None where the view
+        has none of it."""
+        fluid = self.session.units["fluid"]
+        names = [name for name in (f"{fields.FINE_BOX}.{axis}" for axis in "xyz") if name in fluid.variables]
+        lows = [float(fluid.read(name)[0]) for name in names] or None
+        if not (boxes := view.fine_box(lows)):
+            return None
+        found = [fluid.field(f"{fields.FINE}.{part}") for part in parts]
+        if view.plane:
+            found = [np.take(own, view.fine_number(view.fine_ends(lows)) or 0, view.plane.normal) for own in found]
+        values = np.sqrt(np.sum(np.square(found), axis=0)) if len(found) > 1 else found[0]
+        stride = max(1, -(-max(values.shape) // MOST_POINTS))
+        ends = [[*box[[0, 2], 0].tolist(), *box[[0, 2], 1].tolist()] for box in boxes]
+        return _packed(values[::stride, ::stride], ends)
 
     def _poses(self) -> list[list[float]]:
         """Return the last recorded position (m) and angle or rotation vector (rad) of each body."""
@@ -219,6 +236,12 @@ class Live(Observer):
         """Note that a page got this answer."""
         if ended:
             self._seen.set()
+
+
+def _packed(values: np.ndarray, boxes: list[list[float]]) -> dict[str, Any]:
+    """Return a field and the boxes that it fills, with their ends along both axes, as the page reads them."""
+    image = values.T.astype("<f4")
+    return {"shape": image.shape, "boxes": boxes, "values": base64.b64encode(image.tobytes()).decode()}
 
 
 def thinned(values: np.ndarray) -> np.ndarray:

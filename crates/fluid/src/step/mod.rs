@@ -45,6 +45,9 @@ pub fn fill<R: Real, const D: usize>(to: &mut [Field<R>; D], velocity: &StartVel
     }
 }
 
+/// Reads the static pressure over the density, given at a point of the domain.
+pub type DomainReader<'a> = dyn FnMut(&dyn Fn(usize) -> f64) + 'a;
+
 /// A time scheme with its memory of earlier steps and its work space.
 pub trait Scheme<R: Real, const D: usize>: Send
 where
@@ -108,10 +111,16 @@ where
     /// Return Pi at the present time (m²/s²), which makes the rate of change free of divergence.
     fn total_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R];
 
-    /// Return the static pressure over the density at all points of the domain, `Pi − u²/2` (m²/s²).
-    fn static_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+    /// Call `read` with the static pressure over the density, `Pi − u²/2` (m²/s²), at a point of the domain.
+    fn read_in_domain(
+        &mut self,
+        flow: &Flow<R, D>,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
+        read: &mut DomainReader,
+    ) {
         let pi = self.total_pressure(flow, present, problem);
-        (0..pi.len()).map(|point| static_pressure(pi, flow, point)).collect()
+        read(&|point| static_pressure(pi, flow, point));
     }
 
     /// Call `visit` with some points of the domain, in ascending order, by the flow there and the point of its own grid.

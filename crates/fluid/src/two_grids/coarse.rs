@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::Transforms;
 use crate::state::{CoarseState, Link};
-use crate::step::{Sbdf2, Scheme, StartVelocity, Substep};
+use crate::step::{DomainReader, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
 
 /// Share of a fine step by which it may end after the coarse flow.
 const SAME_TIME: f64 = 1e-9;
@@ -319,10 +319,12 @@ where
         plane.iter().map(|pi| pi.to_f64()).sum::<f64>() / plane.len() as f64
     }
 
-    /// Return the static pressure over the density of the coarse flow, m²/s².
-    pub fn static_pressure(&mut self) -> Vec<f64> {
-        let Self { flow, scheme, problem, present, .. } = self;
-        scheme.static_pressure(flow, present, problem)
+    /// Call `read` with the static pressure over the density (m²/s²) at a point of the domain, which in the fine box is
+    /// that at a fine point.
+    pub fn read_in_domain(&mut self, at_fine: impl Fn(usize) -> f64, read: &mut DomainReader) {
+        let Self { background: Background { transfer, .. }, flow, scheme, problem, present, .. } = self;
+        let pi = scheme.total_pressure(flow, present, problem);
+        read(&|point| transfer.in_box(point).map_or_else(|| static_pressure(pi, flow, point), &at_fine));
     }
 }
 

@@ -19,7 +19,7 @@
 //! Both are stepped by [`Sbdf2`], U with steps as much longer as its cells are larger, ahead of u and linear between its
 //! steps, under the mean force of the last of them.
 //!
-//! The box follows a body by whole coarse cells. The correction u', its pressure and the bodies are periodic and stay in
+//! The box follows a body, or a point that the master moves, by whole coarse cells. The correction u', its pressure and the bodies are periodic and stay in
 //! place: in all stored flows the cells that the box leaves become those that it newly covers, with another coarse flow.
 
 mod coarse;
@@ -43,7 +43,7 @@ use crate::space::{Space, Vector};
 use crate::spectral::{AdvectionRate, Transforms};
 use crate::state::{Memory, TwoGridsMemory, TwoStep};
 use crate::stations::Stations;
-use crate::step::{Differences, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
+use crate::step::{Differences, DomainReader, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
 
 use coarse::{Background, Coarse};
 use transfer::Rows;
@@ -67,7 +67,9 @@ where
     coarse: Coarse<R, T, D>,
     spacing: [f64; D],
     ratio: f64,
-    /// The body that the box follows, and its place where the box has not moved, m.
+    /// Largest CFL number of a step.
+    max_cfl: f64,
+    /// What the box follows, and its place where the box has not moved, m.
     follows: Option<(Followed, Vector<D>)>,
     /// Coarse cells along each axis by which the box may move back and forth, between walls and zones.
     range: [[f64; 2]; D],
@@ -111,6 +113,7 @@ where
         let mut own = Self {
             spacing: grid.spacing,
             ratio: fine.ratio as f64,
+            max_cfl: parameters.max_cfl,
             follows: fine.follows.map(|body| (body, problem.place_of(body, &stations))),
             range: std::array::from_fn(|axis| parameters.range_of_fine_box(fine, axis)),
             damping: ones(),
@@ -139,19 +142,22 @@ where
         }
     }
 
-    /// Return the coarse cells along an axis by which the followed body has left its place in the box.
+    /// Return the coarse cells along an axis by which what the box follows has left its place in it.
     fn cells_left(&self, axis: usize, problem: &Problem<D>, stations: &[Stations<D>]) -> f64 {
         let Some((body, home)) = self.follows else { return 0.0 };
         self.coarse.cells_left(axis, problem.place_of(body, stations)[axis] - home[axis])
     }
 
-    /// Move the box after the body that it follows, by at most a coarse cell along each axis.
+    /// Move the box after what it follows, by at most a coarse cell along each axis.
     fn follow(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         for axis in 0..D {
             let (left, moved) =
                 (self.cells_left(axis, problem, &present.flexible.stations), self.coarse.link.moved[axis]);
             let to = f64::from(moved) + left.signum();
-            if left.abs() <= SLACK || to < self.range[axis][0] || to > self.range[axis][1] {
+            let [least, most] = self.range[axis];
+            // Not a number is no way.
+            let moves = left.abs() > SLACK && (least..=most).contains(&to);
+            if !moves {
                 continue;
             }
             let forwards = left > 0.0;
@@ -337,7 +343,7 @@ where
         // A body that jumps may be in another period of the box.
         let jumps =
             |axis: usize| self.cells_left(axis, problem, stations).abs() * self.ratio > 0.5 * grid.cells[axis] as f64;
-        if let Some((body, _)) = self.follows
+        if let Some((body, _)) = self.follows.filter(|(body, _)| *body != Followed::Master)
             && (0..D).any(jumps)
         {
             place = Some(problem.place_of(body, stations).iter().copied().collect());
@@ -356,6 +362,13 @@ where
         let drag = fine.drag(scheme, flow);
         problem.bodies.cells().for_each(|cell| add(cell.index, -drag(cell)));
         link.elapsed += dt;
+    }
+
+    /// Make a step of the coarse flow, which the fine one has reached, before its own `step`. [`Coarse::undo`] takes it back.
+    fn step_coarse(&mut self, step: &Substep<D>, flow: &Flow<R, D>, present: &Present<D>) -> Result<(), Error> {
+        self.coarse.save_for_undo();
+        self.gather(step.team, flow, self.crossing_rate(present));
+        self.coarse.step(step)
     }
 
     /// Make the step of the fine flow, which the coarse one has reached.
@@ -480,9 +493,7 @@ where
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
         if self.coarse.is_behind(step.dt) {
-            self.coarse.save_for_undo();
-            self.gather(step.team, flow, self.crossing_rate(present));
-            self.coarse.step(step)?;
+            self.step_coarse(step, flow, present)?;
             self.step_fine(step, flow, present, problem).inspect_err(|_| self.coarse.undo())?;
         } else {
             self.step_fine(step, flow, present, problem)?;
@@ -494,8 +505,27 @@ where
     }
 
     fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        let (team, max_cfl) = (&Team::alone(), self.max_cfl);
+        let end = present.time + dt;
+        let step = Substep {
+            dt,
+            end,
+            stations: &[],
+            displacements: &[],
+            ends: &[],
+            ahead: None,
+            max_cfl,
+            shortest: 0.0,
+            team,
+        };
+        // A load that is announced is that of the coming step, which may begin with a coarse one.
+        let is_ahead =
+            problem.bodies.announce() && self.coarse.is_behind(dt) && self.step_coarse(&step, flow, present).is_ok();
         self.coarse.look(dt);
-        self.write_source(&Team::alone());
+        if is_ahead {
+            self.coarse.undo();
+        }
+        self.write_source(team);
         self.fine.predict_loads(dt, flow, present, problem);
     }
 
@@ -522,14 +552,17 @@ where
         pi
     }
 
-    fn static_pressure(&mut self, flow: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> Vec<f64> {
+    fn read_in_domain(
+        &mut self,
+        flow: &Flow<R, D>,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
+        read: &mut DomainReader,
+    ) {
         self.total_pressure(flow, present, problem);
         let Self { fine, coarse, .. } = self;
         let pi = fine.source_mut().iter().flatten().next().map_or(&[][..], |pi| pi);
-        let mut pressure = coarse.static_pressure();
-        let background = &coarse.background;
-        background.transfer.for_each_in_box(|point, own| pressure[point] = static_pressure(pi, flow, own));
-        pressure
+        coarse.read_in_domain(|own| static_pressure(pi, flow, own), read);
     }
 
     fn for_each_in_domain<'a>(
@@ -612,6 +645,41 @@ fn smooth_step(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::{Body, Law, Motion};
+    use crate::shapes::Polyline;
+    use crate::state::{ByPrecision, CoarseState};
+
+    #[test]
+    fn the_coarse_flow_gains_the_momentum_of_all_that_it_receives() {
+        let h = 0.02;
+        let mut parameters = Parameters::new([[-3.0, 3.0]; 2], [36; 2], 1.0, 0.02, h);
+        let fall = Law::new(|t| (-0.5 * t * t, -t));
+        let motion = Motion::laws([fall, Law::constant(0.0)], 1.0, Law::constant(0.0));
+        let plate = Body::still("the plate", Polyline(vec![[0.0, -0.5], [0.2, 0.5]]), [0.5, 0.0]);
+        parameters.bodies = vec![Body { motion: Some(motion), ..plate }];
+        let follows = Some(Followed::Rigid(0));
+        parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
+        let mut fluid = crate::Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+        let mut checked = 0;
+        for step in 0..60 {
+            fluid.advance(h * f64::from(step), h).unwrap_or_else(|e| panic!("{e}"));
+            let ByPrecision::Double(fields) = fluid.solver.fields() else { panic!("another precision") };
+            let Memory::TwoGrids(memory) = fields.memory else { panic!("another scheme") };
+            let CoarseState { flow, memory: TwoStep { before, earlier, step_before, .. }, link } = memory.coarse;
+            if link.length != link.step || step_before != link.step {
+                continue;
+            }
+            checked += 1;
+            for axis in 0..2 {
+                let [now, before, earlier] = [&flow, &before, &earlier].map(|of| of.velocity[axis].iter().sum::<f64>());
+                let gained = (1.5 * now - 2.0 * before + 0.5 * earlier) / link.length;
+                let received = link.force.chunks_exact(link.force.len() / 2).map(|of| of.iter().sum::<f64>());
+                let received = received.collect::<Vec<_>>()[axis];
+                assert!((gained - received).abs() < 1e-11 * (1.0 + received.abs()), "{gained} of {received} m/s²");
+            }
+        }
+        assert!(checked > 20 && fluid.solver.way()[0] < -0.3, "{checked} steps, {:?} m", fluid.solver.way());
+    }
 
     #[test]
     fn scenes_know_the_width_of_the_rim() {

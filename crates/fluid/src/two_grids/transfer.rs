@@ -277,7 +277,7 @@ impl<const D: usize> Transfer<D> {
     }
 
     /// Return the fine point at the place of a coarse one, if it is in the fine box.
-    fn in_box(&self, point: usize) -> Option<usize> {
+    pub fn in_box(&self, point: usize) -> Option<usize> {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
             let from_first = self.points_behind(axis, rest % self.coarse[axis]);
