@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nervure.coupling.drive import driven_inputs, master_inputs
+from nervure.coupling.drive import WithinStep, driven_inputs, master_inputs
 from nervure.coupling.guards import CouplingError
 from nervure.coupling.schemes import Explicit, Link
 from nervure.scene.types import Guards
@@ -93,6 +93,7 @@ class Flight(Explicit):
         roots = [name for one in self.carried for kind in ("reference", "root") for name in one.outputs(kind)]
         body.connect([*self.inputs], roots)
         self._find_shape()
+        self.driven = WithinStep(self.units, self.left)
 
     def watched(self, rod: Unit) -> list[str]:
         return REACTION if rod in self.carried_units else []
@@ -174,10 +175,9 @@ class Flight(Explicit):
         for watch in self.watches:
             watch.check(t + h)
 
-    def step(self, t: float, h: float) -> int:
+    def exchange(self, t: float, h: float) -> None:
         self.step_rods(t, h)
         if self.flow:
             self.give_stations()
             self.give_body()
             self.flow.step(t, h)
-        return 1
