@@ -186,8 +186,8 @@ def test_a_unit_that_announces_nothing_is_refused(tmp_path):
     with run(pair(), tmp_path, 1) as session:
         flight = session.scheme
         link = flight.links[0]
-        del link.rod.variables["root.reaction"]
-        with pytest.raises(CouplingError, match="which has no output `root.reaction`"):
+        del link.rod.variables["root.force_x"]
+        with pytest.raises(CouplingError, match="which has no output `root.force_x`"):
             Carried("left", link, flight.body)
 
 
@@ -319,6 +319,21 @@ def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
     assert abs(found["y"]) > 1e-5 and max(abs(found[axis]) for axis in "xz") < 1e-9 * abs(found["y"])
     assert of_fluid["wing[1].drag"] == pytest.approx(-of_fluid["wing[2].drag"], rel=1e-6)
     assert of_fluid["body[1].y"] == pytest.approx(found["y"], rel=1e-12)
+
+
+def test_a_summary_has_the_means_of_each_wing_of_a_flyer_and_their_sums(tmp_path):
+    scene = swimmer()
+    scene["time"] = {"end": 1.5, "communication_step": 0.01}
+    found = nervure.run(nervure.Scene.model_validate(scene), tmp_path, quiet=True).summary
+    left, right = (found.wings[name].flapping for name in ("left", "right"))
+    print(left, found.wing)
+    assert found.periods >= 1 and left.power_in > 0.0
+    assert left.power_in == pytest.approx(right.power_in, rel=1e-6)
+    assert found.wing.root_power == pytest.approx(2 * left.power_in, rel=1e-6)
+    assert left.tip_amplitude == pytest.approx(right.tip_amplitude, rel=1e-6)
+    assert 0.5 < left.tip_by_rigid_tip < 2.0
+    # Both meshes lie along x at rest; the hinge turns one.
+    assert left.thrust == pytest.approx(-right.thrust, rel=1e-6) and found.wings["left"].interface.exchanged > 0.0
 
 
 def test_a_flight_resumes(tmp_path):
