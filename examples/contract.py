@@ -23,6 +23,11 @@ BASE_UNITS = {
     "N/m": {"kg": 1, "s": -2},
     "kg/(m.s)": {"kg": 1, "m": -1, "s": -1},
     "kg/(m2.s)": {"kg": 1, "m": -2, "s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "kg/s": {"kg": 1, "s": -1},
+    "rad/s": {"rad": 1, "s": -1},
+    "1": {},
 }
 """Powers of the SI units in each unit that the contract uses here."""
 
@@ -65,7 +70,8 @@ class ContractUnit(Fmi2Slave):
     def __init__(self, **keywords: Any) -> None:
         super().__init__(**keywords)
         self.scene = json.loads(Path(self.resources, "scene.json").read_text(encoding="utf-8"))
-        if (self.scene.get("coupling") or {}).get("load") != "momentum":
+        is_rod = "wing" not in self.scene and not self.scene.get("wings")
+        if is_rod and (self.scene.get("coupling") or {}).get("load") != "momentum":
             raise ValueError("coupling.load of the scene must be `momentum`, the only load that this unit knows")
         self.units: dict[str, str] = {}
 

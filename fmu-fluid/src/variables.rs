@@ -211,6 +211,8 @@ where
         local("enstrophy", "m3/s2", enstrophy.into(), |f| f.enstrophy());
         let divergence = "Largest divergence times the cell size over the largest speed";
         local("divergence", "1", divergence.into(), Fluid::divergence);
+        let longest = "Longest step from here; where loads are announced also of a communication step";
+        local("longest_step", "s", longest.into(), |f| f.longest_step());
     }
 
     /// Add the force on something along each axis.

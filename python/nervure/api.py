@@ -276,17 +276,19 @@ def resume(
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:
-    """Return the FMUs in the place of ours by unit; raise `InputError` for a rod that the scene does not have."""
+    """Return the FMUs in the place of ours by unit; raise `InputError` for a rod or wing that the scene lacks."""
     if rod_fmu is not None and not isinstance(rod_fmu, Mapping):
         if scene.rods:
             raise InputError(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
         rod_fmu = {"rod": rod_fmu}
     foreign = {name: Path(path) for name, path in (rod_fmu or {}).items()}
     names = [own.name for own in scene.rods] or (["rod"] if scene.rod else [])
+    wings = [own.name for own in scene.wings] or (["wing"] if scene.wing else [])
     for name in foreign:
-        if name not in names:
+        if name not in [*names, *wings]:
             one = "one rod, which needs no name" if names else "no rod"
             known = f"the rods {', '.join(names)}" if scene.rods else one
+            known += f" and the wings {', '.join(wings)}" if wings else ""
             raise InputError(f"an FMU is given for the rod `{name}`, but the scene has {known}")
     if fluid_fmu and not scene.fluid:
         raise InputError(f"the FMU {fluid_fmu} is given for the fluid, but the scene has no fluid")

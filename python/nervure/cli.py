@@ -12,7 +12,7 @@ import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated
@@ -115,7 +115,7 @@ RodFmus = Annotated[
     typer.Option(
         "--rod-fmu",
         metavar="[NAME=]FMU",
-        help="Use this FMU in place of the rod, or of the rod NAME where the scene has several; repeatable.",
+        help="Use this FMU in place of the rod, or of the rod or wing NAME; repeatable.",
     ),
 ]
 DriveFile = Annotated[
@@ -258,7 +258,7 @@ def run(
     from nervure.scene import load
 
     scene = load(scene_file, overrides or (), end_time)
-    rod_fmus = _rod_fmus(rod_fmu or [], bool(scene.rods))
+    rod_fmus = _rod_fmus(rod_fmu or [], bool(scene.rods), {"wing", *(own.name for own in scene.wings)})
     with _exit_code():
         api.run(
             scene,
@@ -276,11 +276,12 @@ def run(
         )
 
 
-def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
-    """Return the FMUs of `--rod-fmu` by the name of the rod; a single rod is `rod`."""
+def _rod_fmus(given: list[str], several: bool, wings: Collection[str]) -> dict[str, Path]:
+    """Return the FMUs of `--rod-fmu` by the name of the rod or wing; a single rod is `rod`."""
     fmus: dict[str, Path] = {}
     for text in given:
-        name, equals, path = text.partition("=") if several else ("rod", "=", text)
+        named = several or text.partition("=")[0] in wings
+        name, equals, path = text.partition("=") if named else ("rod", "=", text)
         if not (name and equals and path):
             raise InputError(f"--rod-fmu is {text}, but the scene has several rods: it must be of the form NAME=FMU")
         if name in fmus:

@@ -186,8 +186,8 @@ def test_a_unit_that_announces_nothing_is_refused(tmp_path):
     with run(pair(), tmp_path, 1) as session:
         flight = session.scheme
         link = flight.links[0]
-        del link.rod.variables["root.reaction"]
-        with pytest.raises(CouplingError, match="which has no output `root.reaction`"):
+        del link.rod.variables["root.force_x"]
+        with pytest.raises(CouplingError, match="which has no output `root.force_x`"):
             Carried("left", link, flight.body)
 
 
@@ -259,17 +259,8 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
     assert np.abs(ends[0][0]).max() > 0.01
 
 
-def test_a_flyer_whose_fluid_takes_two_steps_is_refused():
-    body, motion, _ = LIGHT_SPHERE
-    scene = {"name": "seldom", "time": {"end": 1.0, "communication_step": 0.02}}
-    scene["fluid"] = box() | {"bodies": [{"position": [0.0] * 3, "pivot": [0.0] * 3, "motion": "master"} | body]}
-    scene["flyer"] = motion | {"shape": 0, "hinges": []}
-    with pytest.raises(SceneError, match="a coupled fluid makes one step in it: it must be <= `max_step`, 0.01"):
-        describe("body", scene)
-
-
-def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
-    """Mirror images stay mirror images, and a light wing is stable in the fluid."""
+def swimmer() -> dict:
+    """A body in a fluid with two wings that are as light as the fluid."""
     scene = pair(0.2)
     for own in scene["wings"]:
         own["wing"]["membrane"] |= {"areal_density": 0.5, "bending_stiffness": 0.02}
@@ -279,11 +270,82 @@ def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
     # At a radius of 0.15 m rounding would decide whether points at the rim of the mask are in it.
     body = {"shape": {"sphere": {"radius": 0.16}}, "position": [0.0] * 3, "pivot": [0.0] * 3, "motion": "master"}
     scene["fluid"], scene["flyer"]["shape"] = box() | {"bodies": [body]}, 0
+    return scene
+
+
+TWO_GRIDS = {
+    "box": {axis: [-2.0, 2.0] for axis in "xyz"} | {"cells": [20] * 3},
+    "fine_box": {axis: [-1.6, 1.6] for axis in "xyz"} | {"ratio": 2},
+}
+
+
+@pytest.mark.parametrize("grids", [{}, TWO_GRIDS], ids=["one grid", "two grids"])
+def test_a_flyer_whose_step_has_four_of_its_fluid_moves_as_with_four_steps(grids, tmp_path):
+    """By `max_step`; what a function sets at hinges lies between the steps, too."""
+
+    def drive(t: float, _: Mapping[str, float]) -> dict[str, float]:
+        angle, rate = 0.3 - 0.3 * math.cos(math.tau * t), 0.3 * math.tau * math.sin(math.tau * t)
+        return {f"{name}.stroke": angle for name in ("left", "right")} | {
+            f"{name}.stroke_rate": rate for name in ("left", "right")
+        }
+
+    ends = []
+    for h, by_law in ((0.01, True), (0.04, True), (0.04, False)):
+        scene = swimmer()
+        scene["time"] = {"end": 0.16, "communication_step": h}
+        scene["fluid"] |= grids
+        for hinge in scene["flyer"]["hinges"]:
+            law = {"stroke": {"cosine_ramp": {"value": 0.6, "duration": 0.5}}}
+            hinge["motion"] = law if by_law else "master"
+        with run(scene, tmp_path, drive=None if by_law else drive) as session:
+            found = outputs(session)
+            ends.append(np.array([found[name] for name in ("y", "vy")]))
+    one, four, driven = ends
+    assert four == pytest.approx(one, rel=1e-9) and driven == pytest.approx(one, rel=0.01), ends
+
+
+def test_a_flight_in_a_fluid_goes_on_from_a_saved_state_with_the_same_bits(tmp_path):
+    scene = swimmer()
+    scene["fluid"]["time_stepping"]["max_cfl"] = 0.05
+    with run(scene, tmp_path, 4) as session:
+        scheme, units = session.scheme, session.units.values()
+        kept, buffers = scheme.memory(), [(own.inputs.copy(), own.outputs.copy()) for own in units]
+        for unit in units:
+            unit.save()
+        ends = []
+        for _ in range(2):
+            for unit, (inputs, found) in zip(units, buffers, strict=True):
+                unit.restore()
+                unit.inputs[:], unit.outputs[:] = inputs, found
+            scheme.remember(kept)
+            exchanges = [scheme.step(k * 5e-3, 5e-3) for k in range(4, 7)]
+            ends.append(session.units["body"].outputs.copy())
+    assert max(exchanges) > 1 and np.array_equal(*ends), exchanges
+
+
+def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
+    """Mirror images stay mirror images, and a light wing is stable in the fluid."""
+    scene = swimmer()
     with run(scene, tmp_path, 30) as session:
         found, of_fluid = outputs(session), outputs(session, "fluid")
     assert abs(found["y"]) > 1e-5 and max(abs(found[axis]) for axis in "xz") < 1e-9 * abs(found["y"])
     assert of_fluid["wing[1].drag"] == pytest.approx(-of_fluid["wing[2].drag"], rel=1e-6)
     assert of_fluid["body[1].y"] == pytest.approx(found["y"], rel=1e-12)
+
+
+def test_a_summary_has_the_means_of_each_wing_of_a_flyer_and_their_sums(tmp_path):
+    scene = swimmer()
+    scene["time"] = {"end": 1.5, "communication_step": 0.01}
+    found = nervure.run(nervure.Scene.model_validate(scene), tmp_path, quiet=True).summary
+    left, right = (found.wings[name].flapping for name in ("left", "right"))
+    print(left, found.wing)
+    assert found.periods >= 1 and left.power_in > 0.0
+    assert left.power_in == pytest.approx(right.power_in, rel=1e-6)
+    assert found.wing.root_power == pytest.approx(2 * left.power_in, rel=1e-6)
+    assert left.tip_amplitude == pytest.approx(right.tip_amplitude, rel=1e-6)
+    assert 0.5 < left.tip_by_rigid_tip < 2.0
+    # Both meshes lie along x at rest; the hinge turns one.
+    assert left.thrust == pytest.approx(-right.thrust, rel=1e-6) and found.wings["left"].interface.exchanged > 0.0
 
 
 def test_a_flight_resumes(tmp_path):

@@ -11,18 +11,23 @@ import pytest
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
+import nervure
 from nervure import coupling
+from nervure.coupling.flight import Carried
 from nervure.resources import ROOT
+from nervure.scene import Scene
 from nervure.simulation.loop import TimeGrid
+from nervure.simulation.session import Session
 from nervure.units.fmu import Unit
 from tests.conftest import COUPLED, goes_back_and_on, output, run_scene
+from tests.coupling import test_flyer
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
     pytest.mark.skipif(not FmuBuilder.has_binary(), reason="PythonFMU has no binary for this system"),
 ]
 
-EXAMPLES = {"rod": "modal_beam.py", "solid": "solid_bar.py", "fluid": "strip_fluid.py"}
+EXAMPLES = {"rod": "modal_beam.py", "solid": "solid_bar.py", "fluid": "strip_fluid.py", "wing": "own_wing.py"}
 LENGTH, THICKNESS, FLUID_DENSITY = 0.35, 0.02, 1000.0
 BENDING_STIFFNESS = 5.6e6 * THICKNESS**3 / 12 / (1 - 0.4**2)
 FIRST_MODE = 1.8751040687
@@ -289,3 +294,54 @@ def test_state_of_a_foreign_unit_comes_back_bit_by_bit(still, own, open_unit, ki
         return one.outputs.copy()
 
     assert np.abs(goes_back_and_on(unit, other, run, 5)).max() > 0
+
+
+def carried(mass: float) -> dict:
+    """A body in a fluid with two stiff wings of three nodes along and across each."""
+    nodes = [[0.1 * i, 0.05 * (j - 1), 0.0] for j in range(3) for i in range(3)]
+    squares = [3 * j + i for j in range(2) for i in range(2)]
+    triangles = [list(own) for k in squares for own in ((k, k + 1, k + 4), (k, k + 4, k + 3))]
+    chains = [{"name": "root", "nodes": [0, 3, 6]}]
+    membrane = {"areal_density": 50.0, "stretching_stiffness": 2.5e6, "bending_stiffness": 1e3}
+    scene = test_flyer.swimmer()
+    for own in scene["wings"]:
+        own["wing"] |= {"membrane": membrane, "root": "root"}
+        own["wing"]["mesh"] = {"triangles": {"nodes": nodes, "triangles": triangles, "chains": chains}}
+    for hinge in scene["flyer"]["hinges"]:
+        hinge["motion"] = {"stroke": {"cosine_ramp": {"value": 0.6, "duration": 0.5}}}
+    scene["flyer"] |= {"mass": mass, "inertia": [0.01 * mass, 0.014 * mass, 0.019 * mass]}
+    scene["time"] = {"end": 0.2, "communication_step": 0.01}
+    return scene
+
+
+@pytest.mark.usefixtures("body_library")
+@pytest.mark.parametrize("mass", [0.01, 1.0])
+def test_an_own_wing_flies_on_a_body_as_a_stiff_one_of_ours(mass, own, tmp_path):
+    """It has no root.reaction, and is heavier than its body or as heavy."""
+    scene = carried(mass)
+    fmus = {name: own("wing", scene | {"this_wing": name, "name": name}, True) for name in ("left", "right")}
+    ends = []
+    for foreign in ({}, fmus):
+        path = tmp_path / "flyer.json"
+        path.write_text(json.dumps(scene))
+        options = [text for name, fmu in foreign.items() for text in ("--rod-fmu", f"{name}={fmu}")]
+        done = run_scene(path, "--output", tmp_path / "run", "--force", *options)
+        assert done.returncode == 0, done.stderr
+        series = nervure.read(tmp_path / "run").series
+        ends.append([series[f"body_{name}"][-1] for name in ("y", "vy", "x", "angle_z")])
+    ours, theirs = ends
+    assert theirs[:2] == pytest.approx(ours[:2], rel=0.01) and max(map(abs, theirs[2:])) < 1e-6, ends
+
+
+@pytest.mark.usefixtures("body_library")
+def test_an_own_wing_that_cannot_save_its_state_is_refused_by_a_body(own, tmp_path):
+    scene = carried(1.0)
+    fmu = own("wing", scene | {"this_wing": "left", "name": "left"}, True)
+    with Session.packed(Scene.model_validate(scene), tmp_path / "run", {"left": fmu}) as session:
+        flight = session.scheme
+        left = session.units["left"]
+        left.can_roll_back = False
+        with pytest.raises(
+            coupling.CouplingError, match="no output `root.reaction`: it must try its steps, but cannot"
+        ):
+            Carried("left", flight.links[0], flight.body)

@@ -86,11 +86,10 @@ def test_two_filaments_mirror_each_other(libraries, tmp_path):
     [
         (lambda scene: scene["beam"].update(surface="mask"), "`beam.surface`"),
         (lambda scene: scene["beam"]["root"]["at"].update(position=[0, 0], direction=[0, -1]), "`beam.root`"),
-        (lambda scene: scene["time"].update(communication_step=1e-3), "`time.communication_step`"),
         (lambda scene: scene.update(coupling={"load": "pressure_jump"}), "`coupling.load`"),
         (lambda scene: scene["beam"].update(length=0.03), "`beam.root`"),
     ],
-    ids=["mask", "flat", "step", "load", "outside"],
+    ids=["mask", "flat", "load", "outside"],
 )
 def test_a_rod_in_space_is_a_line_inside_the_box_with_one_exchange(change, named, libraries, tmp_path):
     scene = copy.deepcopy(HANGING)

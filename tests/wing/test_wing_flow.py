@@ -6,6 +6,7 @@ from rich.console import Console
 
 import nervure
 from nervure.coupling import Explicit
+from nervure.errors import UnitError
 from nervure.output.tables import print_table
 from nervure.scene import validate
 from nervure.simulation import checkpoint
@@ -63,6 +64,60 @@ def test_the_works_of_wing_and_fluid_are_one(run):
     assert held[-1] - held[0] == pytest.approx(given, abs=0.06 * series["root_work"][-1])
     assert run.summary.wing.load_power < 0.0
     assert run.summary.wing.root_power > 0.0
+
+
+HANGING = {"gravity": [0.0, 0.0, -1.0], "root_motion": None}
+
+
+@pytest.mark.parametrize("own", [{}, HANGING], ids=["driven", "hanging"])
+def test_the_loads_hold_where_the_cfl_number_divides_the_step(own, tmp_path):
+    """In four to twelve exchanges a step the works of wing and fluid are one, and the wing moves as ever."""
+    whole = scene(**own)
+    whole["wing"] = {key: value for key, value in whole["wing"].items() if value is not None}
+    whole["time"] = SCENE["time"] | {"end": 0.4}
+    ends = []
+    for cfl in (0.4, 0.02):
+        whole["fluid"] = SCENE["fluid"] | {"time_stepping": {"max_step": STEP, "max_cfl": cfl}}
+        found = nervure.run(validate(whole), tmp_path, force=True, quiet=True)
+        ends.append(found.series["tip_uz"][-1])
+        works = [found.series[name][-1] for name in ("load_work", "wing_work")]
+        assert works[0] == pytest.approx(works[1], rel=0.03), (cfl, works)
+    assert found.series["iterations"].max() >= 4
+    assert ends[1] == pytest.approx(ends[0], rel=0.05), ends
+
+
+def test_a_fluid_in_space_refuses_a_step_in_which_its_loads_do_not_hold(wing_library):
+    """It says which step it takes, and takes that from the state before."""
+    slow = SCENE["fluid"] | {"initial_velocity": [1.0, 0.0, 0.0]}
+    slow |= {"time_stepping": {"max_step": STEP, "max_cfl": 0.1}}
+    with Session(validate(SCENE | {"fluid": slow})) as session:
+        session.start()
+        fluid = session.units["fluid"]
+        longest = fluid.read("longest_step").item()
+        fluid.save()
+        assert longest == pytest.approx(0.1 * 4.0 / 32, rel=0.2)
+        with pytest.raises(
+            UnitError, match="loads hold for one step.*make the communication step no longer than.*`lon"
+        ):
+            fluid.step(0.0, STEP)
+        fluid.restore()
+        fluid.step(0.0, longest)
+
+
+def test_a_run_with_a_divided_step_resumes(tmp_path):
+    whole = scene()
+    whole["fluid"] = SCENE["fluid"] | {"time_stepping": {"max_step": STEP, "max_cfl": 0.05}}
+    ends = []
+    for halves in ((0.2,), (0.1, 0.2)):
+        whole["time"] = SCENE["time"] | {"end": halves[0]}
+        found = nervure.run(validate(whole), tmp_path, force=True, quiet=True, checkpoint_every=100.0)
+        for end in halves[1:]:
+            found = nervure.resume(tmp_path, end_time=end, quiet=True)
+        ends.append(found.series)
+    assert ends[0]["iterations"].max() > 1
+    for name, column in ends[0].items():
+        # The last step of the half is longer by rounding.
+        assert np.allclose(column, ends[1][name], rtol=1e-6, atol=1e-9), (name, column, ends[1][name])
 
 
 def test_a_stiffer_wing_follows_its_root_and_a_light_one_runs(run, tmp_path):

@@ -212,6 +212,20 @@ pub enum Error {
         /// Their names.
         bodies: [String; 2],
     },
+    /// Several steps of the fluid under loads that were announced for one.
+    #[error(
+        "the communication step is {step:.3e} s at t = {time:.6e} s, but the announced loads hold for one step of the \
+         fluid, which is at most {longest:.3e} s by `max_step` and `max_cfl`: make the communication step no longer \
+         than the output `longest_step`"
+    )]
+    Divided {
+        /// Time, s.
+        time: f64,
+        /// Length of the communication step, s.
+        step: f64,
+        /// Longest step of the fluid, s.
+        longest: f64,
+    },
     /// No solution for the drag of thin bodies.
     #[error(
         "the drag of the thin bodies at t = {time:.6e} s was not found: the flow is not finite, or lines lie on each \

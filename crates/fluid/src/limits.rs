@@ -28,8 +28,8 @@ const FOLDED: f64 = -0.98;
 pub struct StepLimits {
     /// Largest step of the fluid, s.
     max_step: f64,
-    /// Usual step, s.
-    pub usual_step: f64,
+    /// Usual communication step, s.
+    pub communication_step: f64,
     /// Largest CFL number.
     pub max_cfl: f64,
     /// Shortest step that flow or beams may require, s.
@@ -44,7 +44,7 @@ impl StepLimits {
         let usual_step = max_step.min(communication_step);
         Self {
             max_step,
-            usual_step,
+            communication_step,
             max_cfl,
             shortest: usual_step / SMALLEST_STEP_DIVISOR,
             longest: (LONGEST_COMMUNICATION_STEP * communication_step).min(MAX_SUBSTEPS * usual_step),
@@ -69,15 +69,23 @@ impl StepLimits {
         if needed.is_nan() || needed < shortest {
             return Err(Error::Diverged { time: t, needed, shortest });
         }
-        let mut largest = self.max_step.min(needed);
         if let Some(c_eta) = explicit {
             let substeps = (h / c_eta - 1e-9).ceil();
             if substeps > MAX_EXPLICIT_SUBSTEPS {
                 return Err(Error::Stiff { time: t, step: h, c_eta, substeps, most: MAX_EXPLICIT_SUBSTEPS });
             }
-            largest = largest.min(c_eta);
         }
-        Ok((h / largest - 1e-9).ceil().max(1.0))
+        Ok(Self::count(h, self.longest_step(advection_rate, explicit)))
+    }
+
+    /// Return the longest step with an advection rate (1/s) and the longest one of explicit drag, s.
+    pub fn longest_step(&self, advection_rate: f64, explicit: Option<f64>) -> f64 {
+        self.max_step.min(self.max_cfl / advection_rate).min(explicit.unwrap_or(f64::INFINITY))
+    }
+
+    /// Return the number of equal steps of at most `longest` in `h` seconds.
+    pub fn count(h: f64, longest: f64) -> f64 {
+        (h / longest - 1e-9).ceil().max(1.0)
     }
 
     /// Refuse `displacements` by the master that are not finite or lead far outside the domain.

@@ -21,9 +21,6 @@ use crate::wing::WingMesh;
 /// Most characters of the name of a scene: the file names of its units stay within the limits of file systems.
 const NAME_LENGTH: usize = 100;
 
-/// Relative part by which the communication step may exceed the fluid's largest.
-const ROUNDING: f64 = 1e-9;
-
 /// Most steps of a unit in a communication step.
 const MOST_SUBSTEPS: f64 = 1e5;
 
@@ -129,12 +126,7 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
     }
     let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wings().next().is_some() || several);
     faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
-    let announces = coupled || scene.flyer.as_ref().is_some_and(|flyer| flyer.shape.is_some());
-    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| announces && fluid.is_space()) {
-        let (step, longest) = (scene.time.communication_step, fluid.time_stepping.max_step);
-        faults.require(step <= longest * (1.0 + ROUNDING), "time.communication_step", step, || {
-            format!("in space a coupled fluid makes one step in it: it must be <= `max_step`, {longest}")
-        });
+    if coupled && scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) {
         let load = scene.coupling.as_ref().and_then(|coupling| coupling.load);
         faults.require(load != Some(Load::PressureJump), "coupling.load", "pressure_jump", || {
             "in space it must be momentum".into()

@@ -13,7 +13,7 @@ import math
 import re
 import runpy
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol, cast, runtime_checkable
 
@@ -84,6 +84,38 @@ def driven_inputs(unit: Unit) -> list[str]:
     found = driven_quantities(unit)
     rates = {rate for _, rate in found.values()}
     return [name for name in unit.variables if name in found or name in rates]
+
+
+class WithinStep:
+    """The driven inputs of `units` within a communication step: rates linear in time, values with a rate cubic."""
+
+    def __init__(self, units: Sequence[Unit], left: Callable[[Unit], list[str]]):
+        self.parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        """For each unit its inputs, the places of the driven ones, and of those that are values their rates."""
+        for unit in units:
+            if names := left(unit):
+                rates = {name: rate or name for name, (_, rate) in driven_quantities(unit).items()}
+                places = [[unit.input_slices[own].start for own in (name, rates.get(name, name))] for name in names]
+                self.parts.append((unit.inputs, *np.array(places).T))
+        self.keep()
+
+    def _values(self) -> list[np.ndarray]:
+        return [np.array([inputs[own], inputs[rates]]) for inputs, own, rates in self.parts]
+
+    def keep(self) -> None:
+        """Take the present values for those at the beginning of the next step."""
+        self.first = self._values()
+
+    def aim(self) -> None:
+        """Take the present values for those at the end of the step."""
+        self.last = self._values()
+
+    def move(self, share: float, h: float) -> None:
+        """Set the inputs to what they are after a share of a step of `h` (s)."""
+        for (inputs, own, rates), (x, v), (x_end, v_end) in zip(self.parts, self.first, self.last, strict=True):
+            way, linear = x_end - x, x + share * (x_end - x)
+            bend = share * (1 - share) * ((1 - share) * (h * v - way) - share * (h * v_end - way))
+            inputs[own] = x_end if share == 1.0 else np.where(own == rates, linear, linear + bend)
 
 
 def master_inputs(unit: Unit) -> list[str]:

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nervure.coupling.drive import driven_inputs, master_inputs
+from nervure.coupling.drive import WithinStep, driven_inputs, master_inputs
+from nervure.coupling.foreign import RepeatedSteps
 from nervure.coupling.guards import CouplingError
 from nervure.coupling.schemes import Explicit, Link
 from nervure.scene.types import Guards
@@ -27,6 +28,12 @@ MOTION = {
 }
 """Inputs of the body's shape in the fluid by the outputs of the body."""
 
+MOTION_OF_ROOT = [*AXES, *(f"v{axis}" for axis in AXES), "rotation", *(f"omega_{axis}" for axis in AXES)]
+TRIAL = 1e-5
+"""Change of the root in a trial step, small against a motion and large against rounding."""
+MOVED = 2 / 3
+"""Share of a step for which a changed velocity moves a root by two-step backward differences."""
+
 
 def places(unit: Unit, names: Sequence[str]) -> dict[str, slice]:
     """Return the places of variables of `unit` that stand one after the other."""
@@ -40,15 +47,23 @@ class Carried:
     def __init__(self, name: str, link: Link, body: Unit):
         self.name, self.unit, self.body = name, link.rod, body
         self.root = link.rod.inputs[link.rod_loads.size :]
-        for own in (*RESPONSE, *REACTION):
+        self.inputs = places(self.unit, master_inputs(self.unit))
+        self.moved = [own for own in self.inputs if own != "root.step"]
+        announces = {*RESPONSE} <= self.unit.variables.keys()
+        needed = REACTION if announces or "root.rotation" in self.inputs else [*RESPONSE, *REACTION]
+        for own in needed:
             if own not in self.unit.variables:
                 raise CouplingError(
                     f"the body carries the {self.unit.name}, which has no output `{own}`: a body needs the force on "
                     "its root before its step, and the rate at which it falls with the root's velocities"
                 )
-        self.inputs = places(self.unit, master_inputs(self.unit))
-        self.moved = [own for own in self.inputs if own != "root.step"]
-        self.announced = [self.unit.reader([own]) for own in RESPONSE]
+        if not announces and not self.unit.can_roll_back:
+            raise CouplingError(
+                f"the body carries the {self.unit.name}, which has no output `{RESPONSE[0]}`: it must try its steps, "
+                "but cannot restore its state (canGetAndSetFMUstate)"
+            )
+        self.announced = [self.unit.reader([own]) for own in RESPONSE] if announces else []
+        self.repeated = None if announces else RepeatedSteps([self.unit])
 
     def outputs(self, kind: str) -> list[str]:
         """Return the outputs of the body for the inputs of the root: its `root`, or the `reference` of that."""
@@ -56,14 +71,48 @@ class Carried:
 
     def move(self, kind: str, h: float) -> None:
         """Give the root its place at the end of a step of `h` (s), or the `reference` of that."""
-        self.root[self.inputs["root.step"]] = h
+        if "root.step" in self.inputs:
+            self.root[self.inputs["root.step"]] = h
         for own, output in zip(self.moved, self.outputs(kind), strict=True):
             self.root[self.inputs[own]] = self.body.outputs[self.body.slices[output]]
 
-    def respond(self) -> dict[str, np.ndarray]:
-        """Return reaction and impedance of the coming step."""
-        self.unit.set()
-        return {own: read().ravel() for own, read in zip(RESPONSE, self.announced, strict=True)}
+    def respond(self, t: float, h: float) -> dict[str, np.ndarray]:
+        """Return reaction and impedance of the step from `t` to `t + h` (s)."""
+        if self.announced:
+            self.unit.set()
+            return {own: read().ravel() for own, read in zip(RESPONSE, self.announced, strict=True)}
+        return dict(zip(RESPONSE, self._try(t, h), strict=True))
+
+    def _try(self, t: float, h: float) -> tuple[np.ndarray, np.ndarray]:
+        """Find both by trial steps: with the root given, and with each of its velocities changed by `TRIAL` of those
+        that turn the wing or carry it by its size in a step."""
+        unit, before, root = self.unit, self.unit.outputs.copy(), self.root.copy()
+        unit.save()
+        if self.repeated:
+            self.repeated.test(t, h)
+
+        def tried() -> np.ndarray:
+            unit.step(t, h)
+            borne = -np.concatenate(list(self.reaction().values()))
+            unit.restore()
+            return borne
+
+        reference, falls = tried(), np.empty((6, 6))
+        at = {own: self.inputs[f"root.{own}"] for own in MOTION_OF_ROOT}
+        size = float(max(np.ptp(before[unit.slices[axis]]) for axis in AXES))
+        for k in range(6):
+            axis, change = AXES[k % 3], TRIAL / h * (size if k < 3 else 1.0)
+            if k < 3:
+                self.root[at[f"v{axis}"]] += change
+                self.root[at[axis]] += change * MOVED * h
+            else:
+                turn = MOVED * h * change * np.cross(np.eye(3)[k - 3], np.eye(3)).T
+                self.root[at[f"omega_{axis}"]] += change
+                self.root[at["rotation"]] += (turn @ root[at["rotation"]].reshape(3, 3)).ravel()
+            falls[:, k] = (reference - tried()) / change
+            self.root[:] = root
+        unit.outputs[:] = before
+        return reference, falls.ravel()
 
     def reaction(self) -> dict[str, np.ndarray]:
         """Return force and moment of the body on the root in the last step."""
@@ -93,6 +142,7 @@ class Flight(Explicit):
         roots = [name for one in self.carried for kind in ("reference", "root") for name in one.outputs(kind)]
         body.connect([*self.inputs], roots)
         self._find_shape()
+        self.driven = WithinStep(self.units, self.left)
 
     def watched(self, rod: Unit) -> list[str]:
         return REACTION if rod in self.carried_units else []
@@ -164,7 +214,7 @@ class Flight(Explicit):
         self.body.get()
         for one in self.carried:
             one.move("reference", h)
-            for name, value in one.respond().items():
+            for name, value in one.respond(t, h).items():
                 self.give(f"{one.name}.{name}", value)
         self.body.step(t, h)
         for one in self.carried:
@@ -174,10 +224,9 @@ class Flight(Explicit):
         for watch in self.watches:
             watch.check(t + h)
 
-    def step(self, t: float, h: float) -> int:
+    def exchange(self, t: float, h: float) -> None:
         self.step_rods(t, h)
         if self.flow:
             self.give_stations()
             self.give_body()
             self.flow.step(t, h)
-        return 1

@@ -60,7 +60,7 @@ class RepeatedSteps:
             if apart > REPEAT_TOLERANCE * change + ROUNDING * float(np.linalg.norm(first)):
                 share = f"{apart / change:.2g} of their change" if change else f"{apart:.2g}"
                 raise CouplingError(
-                    f"the iterated scheme repeats steps, but the {unit.name} does not come back to the state that it "
+                    f"the scheme repeats steps, but the {unit.name} does not come back to the state that it "
                     f"saved: the step from t = {t:g} s to {t + h:g} s, repeated, gives outputs that differ by {share}; "
                     "fmi2GetFMUstate must save everything that a step changes"
                 )

@@ -28,6 +28,9 @@ PENALIZED = 2.0
 SOON, RECENT = 40, 0.25
 """Least steps of a window that is judged before its end, and the part of the first one that its own sums look back."""
 
+LONGEST = "longest_step"
+"""Output of a fluid: the longest step for which the loads that it announces hold, s."""
+
 ROUNDING = 1e-9
 """Relative tolerance of a step."""
 
@@ -239,8 +242,8 @@ class EnergyGuard:
         return Speeds(self.rod.outputs, [self.rod.slices[name] for name in names], self.limits.cell)
 
     def _divided(self, h: float) -> str | None:
-        """Return advice where the fluid must divide a step of `h` (s)."""
-        if self.limits is None:
+        """Return advice where the fluid must divide a step of `h` (s), and does not tell the coupling so."""
+        if self.limits is None or LONGEST in self.fluid.variables:
             return None
         cells = h * self.balance.rate
         by_beam, by_fluid = cells / self.limits.max_cfl, self.limits.fluid_steps

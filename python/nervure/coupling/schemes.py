@@ -4,7 +4,8 @@ With several rods, x and the loads contain all rods. Explicit (serial), each uni
 
     rod.step(loads of the fluid at t)  →  stations at t + H  →  fluid.step(stations)  →  loads for the next step
 
-Explicit, parallel: the same, but the fluid steps with the stations at t.
+Explicit, parallel: the same, but the fluid steps with the stations at t. The momentum load holds for one step of the
+fluid. Where that must be shorter than H, both exchange several times in H.
 
 Iterated: from a guess of the stations x at t + H,
 
@@ -13,16 +14,26 @@ Iterated: from a guess of the stations x at t + H,
 until r is small; before each repetition all units return to t. Aitken's relaxation or IQN-ILS makes the next guess.
 """
 
+import math
 from array import array
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.drive import driven_inputs, master_inputs
+from nervure.coupling.drive import WithinStep, driven_inputs, master_inputs
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
-from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, below, guarded_outputs, takes_momentum
+from nervure.coupling.guards import (
+    LONGEST,
+    ROUNDING,
+    Balance,
+    CouplingError,
+    EnergyGuard,
+    below,
+    guarded_outputs,
+    takes_momentum,
+)
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import WING, Unit, prefixes
 
@@ -135,13 +146,17 @@ class Link:
 
 
 class Explicit(Scheme):
-    """One exchange a step: the rods step first, then the fluid. A wing is exchanged as a rod."""
+    """One exchange for each step of the fluid: the rods step first, then the fluid. A wing is exchanged as a rod."""
 
     parallel = False
     """Whether the fluid steps with the stations at the beginning of the step."""
     foreign: Collection[Unit] = ()
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
+    longest: Callable[[], np.ndarray] | None = None
+    """Reader of the longest step for which the announced loads hold, s; None where none are announced."""
+    last = 0.0
+    """Length of the last exchange, s; 0 before the first."""
 
     def __init__(self, rods: Sequence[Unit], fluid: Unit, guards: Guards | None = None):
         self.rods, self.fluid = list(rods), fluid
@@ -154,6 +169,9 @@ class Explicit(Scheme):
                 EnergyGuard(guards, rod, fluid, beam.removesuffix(".") or "beam", self.parallel)
                 for rod, beam in zip(self.rods, self.prefixes, strict=True)
             ]
+        announced = [v.name for v in fluid.variables.values() if v.causality == "output" and "impedance" in v.name]
+        self.longest = fluid.reader([LONGEST]) if announced and LONGEST in fluid.variables else None
+        self.driven = WithinStep(self.units, self.left)
 
     def _connect(self, guards: Guards | None) -> list[Link]:
         """Connect the units; the fluid's buffers hold one rod after the other."""
@@ -220,19 +238,43 @@ class Explicit(Scheme):
         for watch in self.watches:
             watch.check(t + h)
 
-    def step(self, t: float, h: float) -> int:
+    def exchange(self, t: float, h: float) -> None:
+        """Step all units from `t` to `t + h` (s)."""
         if self.parallel:
             self.give_stations()
         self.step_rods(t, h)
         if not self.parallel:
             self.give_stations()
         self.fluid.step(t, h)
-        return 1
+
+    def parts(self, length: float) -> int:
+        """Return in how many equal exchanges the announced loads hold for `length` (s)."""
+        return max(1, math.ceil(length / self.longest().item() - ROUNDING)) if self.longest else 1
+
+    def step(self, t: float, h: float) -> int:
+        exchanges, left, part = 0, h, self.last or h
+        # The fluid announces the loads of a step as long as the last one, or divided: longer ones are seldom.
+        if 2 * self.parts(h) <= h / part * (1 + ROUNDING):
+            part = h
+        self.driven.aim()
+        while left > 0.0:
+            count = max(1, math.ceil(left / part * self.parts(part) - ROUNDING))
+            part = left / count
+            begin, left = h - left, left - part if count > 1 else 0.0
+            self.driven.move(1.0 - left / h, h)
+            self.exchange(t + begin, part)
+            exchanges += 1
+        self.driven.keep()
+        self.last = part
+        return exchanges
 
     def memory(self) -> dict[str, np.ndarray]:
-        return {"balance": np.array([guard.balance for guard in self.guards])} if self.guards else {}
+        own = {"last": np.array([self.last])} if self.longest else {}
+        return own | {"balance": np.array([guard.balance for guard in self.guards])} if self.guards else own
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
+        self.driven.keep()
+        self.last = memory["last"].item() if self.longest else 0.0
         for guard, balance in zip(self.guards, memory.get("balance", ()), strict=True):
             guard.balance = Balance(*balance.tolist())
 

@@ -88,7 +88,10 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
     if found := summary.coefficients:
         for name, value in found.values.items():
             row(name.replace("_", " "), value, found.reference.get(name), 6, column=name)
-    rods = {f"{name} ": (own.flapping, own.interface) for name, own in (summary.rods or {}).items()}
+    rods = {
+        f"{name} ": (own.flapping, own.interface)
+        for name, own in {**(summary.rods or {}), **(summary.wings or {})}.items()
+    }
     rods = rods or {"": (summary.flapping, summary.interface)}
     space = any(name.endswith("tip_uz") or name == "side" for name in summary.quantities)
     for name, (flapping, _) in rods.items():

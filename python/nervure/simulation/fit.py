@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from nervure.coupling.drive import master_inputs
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.units import package
@@ -39,6 +40,11 @@ def _rod_fault(path: Path, given: Unit) -> str | None:
     """Return how a rod differs from our rod in the folder `path`."""
     with closing(Unit(path, "rod of the scene", given.stop_time)) as own:
         names = [axis for axis in "xyz" if axis in own.variables and axis in given.variables]
+        roots = [name for name in master_inputs(own) if name in given.input_slices]
+        own.connect(roots, [])
+        for name in roots:
+            own.inputs[own.input_slices[name]] = given.inputs[given.input_slices[name]]
+        own.set()
         here, there = ([unit.read(name) for name in names] for unit in (own, given))
         return _different_parameter("displaced_line_density", own.variables, given.variables) or _moved(here, there)
 

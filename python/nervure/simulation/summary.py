@@ -4,7 +4,7 @@ A field with the default None is left out of the file where it is None.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from typing import Any
@@ -16,7 +16,7 @@ from nervure.coupling import Choice, Scheme
 from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate import benchmark, bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
-from nervure.evaluate.rods import rod_columns, wing_columns
+from nervure.evaluate.rods import columns_of_wings, rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine, versions
@@ -111,7 +111,7 @@ class Interface:
 
 @dataclass(frozen=True)
 class OfRod:
-    """Results of one of several rods."""
+    """Results of one of several rods or wings."""
 
     flapping: flapping.Flapping | None  # None where no root is driven
     interface: Interface | None  # None where a unit has no output of its power
@@ -119,7 +119,7 @@ class OfRod:
 
 @dataclass(frozen=True)
 class OfWing:
-    """Averages of a wing over time, over the window; None for what the run does not have."""
+    """Averages of a wing, or sums of those of all, over the window; None for what the run does not have."""
 
     drag: float | None  # Force of the fluid along x, N
     lift: float | None  # Along y, N
@@ -129,14 +129,15 @@ class OfWing:
     damping_power: float | None  # Power lost in the wing, W
 
 
-def of_wing(series: Series, window: statistics.Window) -> OfWing:
-    """Average the outputs of a wing and of the fluid around it over `window`."""
+def of_wings(wings: Collection[Series], window: statistics.Window) -> OfWing | None:
+    """Sum the averages over `window` of the outputs of wings and of the fluid around them; None without a wing."""
 
     def mean(name: str) -> float | None:
-        return flapping.average(series["time"], series[name], window) if name in series else None
+        known = [flapping.average(own["time"], own[name], window) for own in wings if name in own]
+        return sum(known) if known else None
 
-    forces = (mean(f"wing_{name}") for name in ("drag", "lift", "side"))
-    return OfWing(*forces, *(mean(f"{name}_power") for name in ("root", "load", "damping")))
+    forces = (mean(f"beam_{name}") for name in FORCES)
+    return OfWing(*forces, *(mean(f"{name}_power") for name in ("root", "load", "damping"))) if wings else None
 
 
 @dataclass(frozen=True)
@@ -181,6 +182,7 @@ class Summary:
     machine: Machine
     warnings: list[str] | None = None  # What may be a mistake, before the run and in it; None without
     wing: OfWing | None = None  # None without a wing, and without a window
+    wings: dict[str, OfRod] | None = None  # By name, of several wings
     rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
     verified: dict[str, Bar] | None = None  # By quantity, e.g. `lift_mean`; None where this physics was not verified
 
@@ -313,10 +315,11 @@ def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -
 
 
 def _main_signal(facts: Facts, series: Series, rounding: float) -> MainSignal | None:
-    """Return the main signal of a run; of several rods, the signal of the first."""
+    """Return the main signal of a run; of several rods or wings, the signal of the first."""
     if facts.scene.rods:
         return main_signal(rod_columns(series, facts.beams[0]), rounding)
-    return main_signal(series, rounding)
+    wings = columns_of_wings(series, [own.name for own in facts.scene.wings])
+    return main_signal({**series, **next(iter(wings.values()), {})}, rounding)
 
 
 def summarize(
@@ -335,7 +338,7 @@ def summarize(
     window, settled = None, None
     if main and main.drive is not None:
         window = statistics.driven_window(time, main.values, main.drive)
-        if scene.beam or scene.rods or scene.wing:  # What bends in the flow has motions of its own
+        if scene.beam or scene.rods or scene.wing or scene.wings:  # What bends in the flow has motions of its own
             window = replace(window, driven=False)
     elif main:
         window = statistics.find_window(time, main.values, main.smallest)
@@ -350,6 +353,7 @@ def summarize(
         for name, smallest in smallest_amplitudes(names, series, rounding).items():
             known[name] = _quantity(name, recorder.units[name], series, published, window, width, smallest)
     rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
+    wings = columns_of_wings(series, [own.name for own in scene.wings])
     return Summary(
         scene=scene.name,
         completed=status.completed,
@@ -387,7 +391,15 @@ def summarize(
         git=git_revision(),
         machine=machine(),
         warnings=[*facts.warnings, *warnings, *_imbalances(series, facts)] or None,
-        wing=of_wing(series, window) if scene.wing and window else None,
+        wing=of_wings([wing_columns(series)] if scene.wing else wings.values(), window) if window else None,
+        wings={
+            name: OfRod(
+                flapping.evaluate(facts, facts.scales.get(f"wing_{number}"), own, window) if window else None,
+                interface(own),
+            )
+            for number, (name, own) in enumerate(wings.items(), 1)
+        }
+        or None,
         rods={
             own.unit: OfRod(
                 flapping.evaluate(facts, facts.scales.get(own.force), rods[own.unit], window) if window else None,
@@ -403,6 +415,8 @@ def summarize(
 def _imbalances(series: Series, facts: Facts) -> Iterator[str]:
     """Yield that the works on rods and by the fluid differ over the whole run."""
     parts = {"the wing": wing_columns(series)} if facts.scene.wing else {}
+    wings = columns_of_wings(series, [own.name for own in facts.scene.wings])
+    parts |= {f"the wing {name}": own for name, own in wings.items()}
     parts |= {f"the rod {own.unit}" if own.prefix else "the rod": rod_columns(series, own) for own in facts.beams}
     for name, columns in parts.items():
         work = interface(columns)
