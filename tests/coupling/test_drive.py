@@ -84,6 +84,8 @@ def test_what_a_drive_leaves_out_stands_still_where_it_is(driver):
         ({"root.z": 0.1}, "sets 'root.z' for t = 0.1 s, but the scene leaves it root.y, root.vy, root.angle"),
         ({"root.y": math.nan}, "sets root.y to nan for t = 0.1 s, but must set a finite number, in m"),
         ({"root.y": "up"}, "sets root.y to 'up' for t = 0.1 s, but must set a finite number"),
+        ({"root.y": "1"}, "sets root.y to '1' for t = 0.1 s, but must set a finite number"),
+        ({"root.y": 10**400}, "sets root.y to 1.*0 for t = 0.1 s, but must set a finite number"),
         ({"root.y": [0.1, 0.2]}, "sets root.y to .* but must set a finite number"),
         ([0.1], "returned .* for t = 0.1 s, but must return a dictionary"),
         (None, "returned None for t = 0.1 s"),
@@ -184,7 +186,7 @@ def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name)
     [
         (None, "does not exist, but must be a Python file"),
         ("def law(t, values):\n    return {}\n", "has no function `drive(time, values)`, but law"),
-        ("drive = 1.0\n", "but no function"),
+        ("drive = 1.0\n", "own.py has no function `drive(time, values)`"),
         ("def drive(t, values)\n", "cannot be used: SyntaxError"),
         ("import csv\nopen('absent.csv')\n", "cannot be used: FileNotFoundError"),
     ],

@@ -103,9 +103,8 @@ def read_drive(path: Path) -> Drive:
         raise InputError(f"the drive {path} cannot be used: {_told(error, str(path))}") from error
     if not callable(found := content.get(NAME)):
         functions = [name for name, own in content.items() if callable(own) and not name.startswith("_")]
-        raise InputError(
-            f"the drive {path} has no function `{NAME}(time, values)`, but {', '.join(functions) or 'no function'}"
-        )
+        has = f", but {', '.join(functions)}" if functions else ""
+        raise InputError(f"the drive {path} has no function `{NAME}(time, values)`{has}")
     return cast(Drive, found)
 
 
@@ -206,8 +205,8 @@ class Driver:
                     f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {', '.join(self.places)}"
                 )
             try:
-                found[name] = float(value)
-            except (TypeError, ValueError):
+                found[name] = math.nan if isinstance(value, str) else float(value)
+            except (TypeError, ValueError, OverflowError):
                 found[name] = math.nan
             if not math.isfinite(found[name]):
                 unit = self.units[name]
