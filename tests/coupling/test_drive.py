@@ -163,8 +163,17 @@ def test_a_state_that_no_checkpoint_holds_is_refused_before_the_run(driver):
 
 
 def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_only):
-    with pytest.raises(InputError, match='leaves nothing to it: rod.root_motion or .* must be "master"'):
+    with pytest.raises(InputError, match='leaves nothing to it: root_motion or .* must be "master"'):
         Session(validate(rod_only), drive=heave)
+
+
+def test_a_wing_that_nothing_drives_is_refused_by_its_key(wing_library):
+    mesh = {"rectangular": {"length": 0.2, "width": 0.1, "along": 2}}
+    membrane = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.1}
+    wing = {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": "master"}
+    scene = {"name": "w", "time": {"end": 0.1, "communication_step": 0.01}, "wing": wing}
+    with pytest.raises(InputError, match=r"leaves root.x, .* to the master \(root_motion\)"):
+        Session(validate(scene))
 
 
 def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):

@@ -24,8 +24,8 @@ from nervure.errors import InputError
 from nervure.scene import plain
 from nervure.units.fmu import Unit
 
-ROOT, BODY, HINGE = "rod.root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
-"""Scene keys that leave something to the master."""
+ROOT, BODY, HINGE = "root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
+"""Scene keys that leave something to the master: `root_motion` of a rod or a wing."""
 
 DRIVEN: tuple[tuple[str, str, str | None], ...] = (
     (ROOT, r"root\.([xyz])", r"root.v\1"),
