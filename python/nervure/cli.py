@@ -7,6 +7,7 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 input cannot be used, 130 interr
 import ast
 import gc
 import json
+import math
 import os
 import re
 import shutil
@@ -52,7 +53,7 @@ def _duration(text: str) -> float:
     """Return a time as `20min` in s."""
     found = re.fullmatch(r"\s*([0-9.]+(?:e[-+]?\d+)?)\s*(s|min|h)?\s*", text)
     with suppress(ValueError):
-        if found and (seconds := float(found[1]) * SECONDS[found[2] or ""]) > 0:
+        if found and 0 < (seconds := float(found[1]) * SECONDS[found[2] or ""]) < math.inf:
             return seconds
     raise typer.BadParameter(f"it is {text}, but must be a time above 0 as 90s, 20min or 1.5h")
 
@@ -61,7 +62,7 @@ def _part(text: str) -> float:
     """Return a part as `2%` or `0.02`."""
     number = text.strip()
     with suppress(ValueError):
-        if (part := float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)) > 0:
+        if 0 < (part := float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)) < math.inf:
             return part
     raise typer.BadParameter(f"it is {text}, but must be a part above 0 as 2% or 0.02")
 

@@ -84,6 +84,8 @@ def test_what_a_drive_leaves_out_stands_still_where_it_is(driver):
         ({"root.z": 0.1}, "sets 'root.z' for t = 0.1 s, but the scene leaves it root.y, root.vy, root.angle"),
         ({"root.y": math.nan}, "sets root.y to nan for t = 0.1 s, but must set a finite number, in m"),
         ({"root.y": "up"}, "sets root.y to 'up' for t = 0.1 s, but must set a finite number"),
+        ({"root.y": "1"}, "sets root.y to '1' for t = 0.1 s, but must set a finite number"),
+        ({"root.y": 10**400}, "sets root.y to 1.*0 for t = 0.1 s, but must set a finite number"),
         ({"root.y": [0.1, 0.2]}, "sets root.y to .* but must set a finite number"),
         ([0.1], "returned .* for t = 0.1 s, but must return a dictionary"),
         (None, "returned None for t = 0.1 s"),
@@ -161,8 +163,17 @@ def test_a_state_that_no_checkpoint_holds_is_refused_before_the_run(driver):
 
 
 def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_only):
-    with pytest.raises(InputError, match='leaves nothing to it: rod.root_motion or .* must be "master"'):
+    with pytest.raises(InputError, match='leaves nothing to it: root_motion or .* must be "master"'):
         Session(validate(rod_only), drive=heave)
+
+
+def test_a_wing_that_nothing_drives_is_refused_by_its_key(wing_library):
+    mesh = {"rectangular": {"length": 0.2, "width": 0.1, "along": 2}}
+    membrane = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.1}
+    wing = {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": "master"}
+    scene = {"name": "w", "time": {"end": 0.1, "communication_step": 0.01}, "wing": wing}
+    with pytest.raises(InputError, match=r"leaves root.x, .* to the master \(root_motion\)"):
+        Session(validate(scene))
 
 
 def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
@@ -184,7 +195,7 @@ def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name)
     [
         (None, "does not exist, but must be a Python file"),
         ("def law(t, values):\n    return {}\n", "has no function `drive(time, values)`, but law"),
-        ("drive = 1.0\n", "but no function"),
+        ("drive = 1.0\n", "own.py has no function `drive(time, values)`"),
         ("def drive(t, values)\n", "cannot be used: SyntaxError"),
         ("import csv\nopen('absent.csv')\n", "cannot be used: FileNotFoundError"),
     ],

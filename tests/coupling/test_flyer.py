@@ -259,6 +259,23 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
     assert np.abs(ends[0][0]).max() > 0.01
 
 
+@pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_wing_1_load_x")])
+def test_each_output_of_a_flyer_in_a_fluid_has_a_column(names, wanted, tmp_path):
+    """A single wing has the columns of one without a body; names may be those of the fluid's own forces."""
+    scene = pair()
+    wings = scene.pop("wings")
+    scene["flyer"]["hinges"] = [scene["flyer"]["hinges"][0] | {"carries": names[0] if names else "wing"}]
+    scene |= {"wings": [wings[0] | {"name": name} for name in names]} if names else {"wing": wings[0]["wing"]}
+    scene["fluid"] = box()
+    with run(scene, tmp_path, 2) as session:
+        series, unit = session.recorder.series, session.units[names[0] if names else "wing"]
+        scalars = [name for own in session.units.values() for kind in ("Real", "Integer") for name in own.scalars(kind)]
+        load = unit.outputs[unit.slices["load.x"]].item()
+    assert len(series) == len(scalars) + 2
+    assert series[wanted][-1] == load != 0.0
+    assert series["body_y"].any()
+
+
 def swimmer() -> dict:
     """A body in a fluid with two wings that are as light as the fluid."""
     scene = pair(0.2)

@@ -269,7 +269,7 @@ def test_a_root_that_nobody_moves_is_refused(run_scene_of, root):
     if root is None:
         del scene["fluid"], scene["coupling"]
     done = run_scene_of(scene)
-    assert done.returncode == 2 and "to the master (rod.root_motion)" in done.stderr, done.stderr
+    assert done.returncode == 2 and "to the master (root_motion)" in done.stderr, done.stderr
 
 
 @pytest.fixture

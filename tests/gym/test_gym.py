@@ -134,12 +134,15 @@ def test_a_unit_that_fails_ends_the_episode_and_the_next_one_begins(env):
             "an action 'root.z', but the scene leaves open root.x, root.y",
         ),
         ({"actions": [gym.Action("root.y", 1, 1, 1)]}, "root.y has the range 1 to 1 .* must be finite and not empty"),
-        ({"actions": [gym.Action("root.y", 0, 1, 0)]}, "the lag 0 s, but .* the lag above 0"),
+        ({"actions": [gym.Action("root.y", 0, 1, 0)]}, "the lag 0 s, but .* the lag from 1e-100 to"),
+        ({"actions": [gym.Action("root.y", 0, 1, 1e-200)]}, "the lag 1e-200 s, but .* the lag from 1e-100 to"),
+        ({"actions": [TURN, TURN]}, "there are 2 actions 'root.angle', but an input follows one"),
         ({"observed": {"tip_uz": 1.0}}, "there is no column `tip_uz`: did you mean tip_uy"),
         ({"observed": {"tip_uy": 0.0}}, "tip_uy has the scale 0.0, but must have a finite one other than 0"),
         ({"starts": ()}, "there are no starts"),
         ({"starts": (0.0, -1.0)}, "a start is at -1.0 s, but must be at a finite time of at least 0"),
-        ({"steps": 0}, "steps is 0, but must be a whole number of at least 1"),
+        ({"steps": 0}, "steps is 0, but must be a whole number from 1 to 100000"),
+        ({"steps": 10**9}, "steps is 1000000000, but must be a whole number from 1 to 100000"),
         ({"render_mode": "human"}, "render_mode is 'human', but must be None or rgb_array"),
     ],
 )
@@ -151,11 +154,21 @@ def test_what_cannot_be_an_environment_is_refused_with_name_and_value(changed, w
 
 def test_an_action_or_a_start_that_is_none_is_refused(env):
     env.reset(seed=0)
-    for action in ([np.nan], [0.1, 0.2]):
+    for action in ([np.nan], [0.1, 0.2], ["up"]):
         with pytest.raises(InputError, match="must be 1 finite numbers"):
             env.step(np.array(action))
     with pytest.raises(InputError, match="the option start is 2, but must be from 0 to 1"):
         env.reset(options={"start": 2})
+
+
+def test_a_closed_environment_says_so():
+    """A failed episode would look like one that ends."""
+    env = plate()
+    env.reset(seed=0)
+    env.close()
+    for call in (lambda: env.step(np.array([0.1])), env.reset):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="the environment is closed"):
+            call()
 
 
 def test_environments_run_in_processes_of_their_own():

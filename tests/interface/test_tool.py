@@ -310,7 +310,16 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
 
 def test_results_that_are_damaged_are_said(result):
     folder = result("falling")
-    (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
+    header, start, *_ = (folder / "series.csv").read_text().splitlines()
+    for lines, words in (
+        (["time,tip_uy", "0.0,zero"], "could not convert"),
+        (["time,tip_uy", "0.0,0.0"], "lacks the column"),
+        ([header, ""], "has no rows"),
+        ([header, start], "ends at t = 0 s, before the window"),
+    ):
+        (folder / "series.csv").write_text("\n".join(lines))
+        with pytest.raises(InputError, match=f"are damaged: .*{words}"):
+            results.read(folder)
     done = nervure("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
 

@@ -161,7 +161,12 @@ def test_numbers_of_the_method_are_no_physics():
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [(["--within", "much"], "0.02"), (["--budget", "-3"], "20min"), (["--budget", "0s"], "20min")],
+    [
+        (["--within", "much"], "0.02"),
+        (["--budget", "-3"], "20min"),
+        (["--budget", "1e400s"], "20min"),
+        (["--within", "inf"], "0.02"),
+    ],
 )
 def test_options_without_a_meaning_are_refused(arguments, words):
     done = tool("verify", "csm1", *arguments)

@@ -24,9 +24,9 @@ from nervure.errors import InputError
 from nervure.scene import plain
 from nervure.units.fmu import Unit
 
-ROOT, BODY, HINGE = "rod.root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
+ROOT, BODY, HINGE = "root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
 BOX = "fluid.fine_box.follow"
-"""Scene keys that leave something to the master."""
+"""Scene keys that leave something to the master: `root_motion` of a rod or a wing."""
 
 DRIVEN: tuple[tuple[str, str, str | None], ...] = (
     (ROOT, r"root\.([xyz])", r"root.v\1"),
@@ -137,9 +137,8 @@ def read_drive(path: Path) -> Drive:
         raise InputError(f"the drive {path} cannot be used: {_told(error, str(path))}") from error
     if not callable(found := content.get(NAME)):
         functions = [name for name, own in content.items() if callable(own) and not name.startswith("_")]
-        raise InputError(
-            f"the drive {path} has no function `{NAME}(time, values)`, but {', '.join(functions) or 'no function'}"
-        )
+        has = f", but {', '.join(functions)}" if functions else ""
+        raise InputError(f"the drive {path} has no function `{NAME}(time, values)`{has}")
     return cast(Drive, found)
 
 
@@ -240,8 +239,8 @@ class Driver:
                     f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {', '.join(self.places)}"
                 )
             try:
-                found[name] = float(value)
-            except (TypeError, ValueError):
+                found[name] = math.nan if isinstance(value, str) else float(value)
+            except (TypeError, ValueError, OverflowError):
                 found[name] = math.nan
             if not math.isfinite(found[name]):
                 unit = self.units[name]

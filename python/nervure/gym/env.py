@@ -10,6 +10,7 @@ from zipfile import BadZipFile
 
 import gymnasium
 import numpy as np
+from gymnasium.error import ClosedEnvironmentError
 from gymnasium.spaces import Box
 
 from nervure.coupling import CouplingError, stand_still
@@ -17,6 +18,11 @@ from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
 from nervure.scene import Scene, with_files
 from nervure.simulation.session import Session
+
+MOST_STEPS = 100_000
+"""Most communication steps in a step, of which servos keep their ways."""
+LAGS = 1e-100, 1e100
+"""Shortest and longest lag, s, whose square is a number."""
 
 Values = Mapping[str, float]
 Reward = Callable[[Values, np.ndarray], float]
@@ -43,14 +49,18 @@ class Servos:
 
     def __init__(self, actions: Sequence[Action], session: Session, times: np.ndarray):
         driver = session.driver
+        names = [own.name for own in actions]
         for own in actions:
+            if names.count(own.name) > 1:
+                raise InputError(f"there are {names.count(own.name)} actions {own.name!r}, but an input follows one")
             if own.name not in driver.rates:
                 known = ", ".join(driver.rates) or "nothing"
                 raise InputError(f"there is an action {own.name!r}, but the scene leaves open {known}")
-            if not (own.low < own.high and math.isfinite(own.low) and math.isfinite(own.high) and own.lag > 0):
+            is_range = own.low < own.high and math.isfinite(own.low) and math.isfinite(own.high)
+            if not (is_range and LAGS[0] <= own.lag <= LAGS[1]):
                 raise InputError(
                     f"the action {own.name} has the range {own.low:g} to {own.high:g} and the lag {own.lag:g} s, but "
-                    "the range must be finite and not empty, and the lag above 0"
+                    f"the range must be finite and not empty, and the lag from {LAGS[0]:g} to {LAGS[1]:g} s"
                 )
         # Places from the target, then speeds, over time: by the first distance, and by the first speed.
         t, omega = times[:, None], np.array([1 / own.lag for own in actions])
@@ -167,18 +177,18 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     ):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}, but must be None or rgb_array")
-        if not (isinstance(steps, int) and steps >= 1):
-            raise InputError(f"steps is {steps!r}, but must be a whole number of at least 1")
+        if not (isinstance(steps, int | np.integer) and 1 <= steps <= MOST_STEPS):
+            raise InputError(f"steps is {steps!r}, but must be a whole number from 1 to {MOST_STEPS}")
         for name, scale in observed.items():
             if scale == 0 or not math.isfinite(scale):
                 raise InputError(f"{name} has the scale {scale!r}, but must have a finite one other than 0")
         for time in starts:
             if not (math.isfinite(time) and time >= 0):
                 raise InputError(f"a start is at {time!r} s, but must be at a finite time of at least 0")
-        if not starts:
+        if len(starts) == 0:
             raise InputError("there are no starts, but an episode needs one")
-        self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, steps, ends
-        self.failed, self.render_mode = failed, render_mode
+        self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, int(steps), ends
+        self.failed, self.render_mode, self.closed = failed, render_mode, False
         self.session = Session(with_files(scene), drive=stand_still)  # Servos set its inputs
         try:
             times = self.session.grid.communication_step * np.arange(1, steps + 1)
@@ -241,6 +251,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Return to a start; `options["start"]` is its number."""
+        self._require_open()
         super().reset(seed=seed)
         number = (options or {}).get("start")
         if number is None:
@@ -254,7 +265,11 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Follow the targets `action`, clipped to their ranges, for `steps` communication steps."""
-        targets = np.asarray(action, float)
+        self._require_open()
+        try:
+            targets = np.asarray(action, float)
+        except (TypeError, ValueError):
+            targets = np.array(math.nan)
         if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
             raise InputError(f"the action is {action!r}, but must be {len(self.actions)} finite numbers")
         targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
@@ -284,4 +299,9 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def close(self) -> None:
         """Free the units."""
+        self.closed = True
         self.session.close()
+
+    def _require_open(self) -> None:
+        if self.closed:
+            raise ClosedEnvironmentError("the environment is closed, and steps no more")

@@ -51,7 +51,8 @@ class Recorder:
     `steps` steps. With a stride above 1, scalars are fetched for these rows only.
 
     In the names of columns, dots and brackets become underscores. The name of the unit stands in front where two units
-    have an output of one name, and always for several rods. `units` has the physical unit of each column but the last.
+    have an output of one name, and always for several rods or wings and for a flyer's body. `units` has the physical
+    unit of each column but the last.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int, stride: int = 1):
@@ -60,13 +61,13 @@ class Recorder:
         for unit in self.sampled:
             unit.all_in_step = False
         outputs = [(own, name) for own, unit in units.items() for kind in KINDS for name in unit.scalars(kind)]
-        names = [name for _, name in outputs]
-        several = len(units) > 2
+        several = len(units.keys() - {"body", "fluid"}) > 1
+        before = {own: f"{own}_" if own == "body" or (several and own != "fluid") else "" for own in units}
+        names = [before[own] + column(name) for own, name in outputs]
         self.units: dict[str, str | None] = {"time": "s"}
         self.values = Values()
-        for own, name in outputs:
-            alone = names.count(name) == 1 and not (several and own != "fluid")
-            made, unit = column(name if alone else f"{own}_{name}"), units[own]
+        for (own, name), made in zip(outputs, names, strict=True):
+            made, unit = made if names.count(made) == 1 else f"{own}_{made}", units[own]
             self.units[made] = unit.variables[name].unit
             is_real = unit.variables[name].kind == "Real"
             number = unit.scalars("Real" if is_real else "Integer").index(name)

@@ -74,6 +74,12 @@ def read(folder: Path) -> Results:
         raise InputError(f"the results in {folder} are damaged: {error}") from error
     if table.shape[1] != len(columns):
         raise InputError(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
+    if lost := known.series.keys() - set(columns):
+        raise InputError(f"the results in {folder} are damaged: series.csv lacks the column {min(lost)}")
+    if not len(table):
+        raise InputError(f"the results in {folder} are damaged: series.csv has no rows")
+    if known.window_s and (end := table[-1, columns.index("time")]) < known.window_s[0]:
+        raise InputError(f"the results in {folder} are damaged: series.csv ends at t = {end:g} s, before the window")
     return Results(Facts(scene), folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
@@ -86,7 +92,8 @@ def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
             return columns, np.column_stack([file[column] for column in columns])
     with open(folder / "series.csv", encoding="utf-8") as table:
         columns = table.readline().strip().split(",")
-        return columns, np.loadtxt(table, delimiter=",", ndmin=2)
+        rows = [line for line in table if line.strip()]
+        return columns, np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, len(columns)))
 
 
 def _write_series(path: Path, run: Results) -> None:
