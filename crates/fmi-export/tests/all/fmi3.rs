@@ -1,16 +1,14 @@
 //! A master in Rust against the C functions of one exported model, in FMI 3.0: what is not as in FMI 2.0.
 
-mod integrator;
-mod master;
-
 use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
-use integrator::*;
-use master::description::{attribute, written};
-use master::{Fmu as Fmu2, *};
 use nervure_fmi_export::sys::*;
+
+use crate::integrator::*;
+use crate::master::description::{attribute, written};
+use crate::master::{Fmu as Fmu2, *};
 
 const OK: fmi3Status = fmi3Status::fmi3OK;
 const ERROR: fmi3Status = fmi3Status::fmi3Error;

@@ -1,12 +1,9 @@
 //! Tapered rods, against the exact tapered cantilever.
 
-mod common;
-#[path = "common/modes.rs"]
-mod modes;
-
-use common::unit_rod;
-use modes::{RitzBeam, frequencies, gauss};
 use nervure_rod::{Parameters, Rod, Scheme, Section, Taper};
+
+use crate::common::unit_rod;
+use crate::modes::{RitzBeam, frequencies, gauss};
 
 /// Thickness at the tip of a vein, relative to the root.
 const TIP: f64 = 0.2;

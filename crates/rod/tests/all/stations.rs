@@ -1,9 +1,8 @@
 //! Single stations: position, effect of load and impedance, and reaction at the root.
 
-mod common;
-
-use common::unit_rod;
 use nervure_rod::{BaseMotion, Parameters, Rod, Scheme};
+
+use crate::common::unit_rod;
 
 const SEGMENTS: usize = 8;
 const NODES: usize = SEGMENTS + 1;

@@ -1,17 +1,15 @@
 //! A master in Rust against the C functions of one exported model, in FMI 2.0.
 
-mod integrator;
-mod master;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
 
-use integrator::*;
-use master::logger::{Messages, callbacks};
-use master::*;
 use nervure_fmi_export::sys::*;
+
+use crate::integrator::*;
+use crate::master::logger::{Messages, callbacks};
+use crate::master::*;
 
 const DISCARD: fmi2Status = fmi2Status::fmi2Discard;
 

@@ -2,12 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use common::{fluid_of, run};
 use nervure_fluid::{Error, Fluid, Pose};
 use rustfft::num_complex::Complex64;
 use scene::{Precision, Scene};
 
-mod common;
+use crate::common::{fluid_of, run};
 
 /// A body in a box of 8 m of fluid, at rest but for `flow`.
 fn scene(body: &str, flow: &str, nu: f64, cells: usize) -> Scene {

@@ -1,10 +1,9 @@
 //! Several beams in one fluid: each has its own cells, loads and force, and together they take what the fluid loses.
 
-mod common;
-
-use common::{fluid_of, run, scene};
 use nervure_fluid::Fluid;
 use scene::{NamedRod, Scene};
+
+use crate::common::{fluid_of, run, scene};
 
 /// Beams of other lengths one above the other in a stream, as the parts of `rods`.
 fn beams(order: [usize; 2]) -> Scene {

@@ -1,9 +1,8 @@
 //! A step allocates nothing.
 
-mod common;
-
-use common::{SCHEMES, turek_hron_bar};
 use nervure_rod::{Contact, Law, Obstacle, Parameters, Rod};
+
+use crate::common::{SCHEMES, turek_hron_bar};
 
 #[test]
 fn step_allocates_nothing() {

@@ -1,12 +1,11 @@
 //! A free body that carries a rod at a driven hinge.
 
-mod common;
-
-use common::unit_rod;
 use method::Support;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use nervure_rod::{BaseMotion, Rod, Scheme};
 use rigid::{Body, BodyParameters, FluidLoad, Flyer, Freedoms, HingeTurn, Placed};
+
+use crate::common::unit_rod;
 
 type Vector = Vector3<f64>;
 

@@ -4,7 +4,7 @@ use nervure_scene::Scene;
 
 /// A rod of 20 kg/m² in steps of 5 ms, with a contact.
 fn scene(contact: &str) -> Result<Scene, String> {
-    let text = include_str!("../../../scenes/csm1.json");
+    let text = include_str!("../../../../scenes/csm1.json");
     let text = text.replacen("\"name\"", &format!("\"contact\": {contact}, \"name\""), 1);
     Scene::from_json(&text).map_err(|error| error.to_string())
 }

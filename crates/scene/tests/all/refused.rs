@@ -3,8 +3,8 @@
 use nervure_scene::FaultKind::{Conflict, Duplicate, Format, Missing, Range, Syntax, Type, Unknown};
 use nervure_scene::{Fault, Scene, SceneError, check_text};
 
-const CSM1: &str = include_str!("../../../scenes/csm1.json");
-const FSI3: &str = include_str!("../../../scenes/fsi3-325x72.json");
+const CSM1: &str = include_str!("../../../../scenes/csm1.json");
+const FSI3: &str = include_str!("../../../../scenes/fsi3-325x72.json");
 
 /// Return `text` with each old piece replaced by a new one.
 fn replaced(text: &str, pieces: &[(&str, &str)]) -> String {

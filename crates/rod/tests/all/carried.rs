@@ -1,9 +1,8 @@
 //! What a rod announces to a body that carries it.
 
-mod common;
-
-use common::unit_rod;
 use nervure_rod::{BaseMotion, Parameters, Rod, RootSupport, Scheme, Section};
+
+use crate::common::unit_rod;
 
 const DT: f64 = 1e-2;
 

@@ -1,14 +1,10 @@
 //! A communication step that fails leaves the fluid as it was.
 
-mod common;
-#[path = "common/measures.rs"]
-#[allow(dead_code, reason = "only its scenes are wanted")]
-mod measures;
-
-use common::{fluid_of, run, scene};
-use measures::{BEAM, CYLINDER_IN_CHANNEL};
 use nervure_fluid::{Body, Error, Fluid, Law, Motion, Outline, Parameters, Precision, Shape, Solid, Solvable};
 use scene::{Mask, TimeScheme};
+
+use crate::common::{fluid_of, run, scene};
+use crate::measures::{BEAM, CYLINDER_IN_CHANNEL};
 
 /// Set the tip's velocity (m/s) at the end of the coming step.
 fn set_tip(fluid: &mut Fluid, velocity: f64) {

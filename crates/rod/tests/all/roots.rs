@@ -1,14 +1,11 @@
 //! Pinned and free roots and torsion springs, against exact solutions and invariants.
 
-mod common;
-#[path = "common/modes.rs"]
-mod modes;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{SCHEMES, total_energy, unit_rod};
-use modes::{RitzBeam, frequencies};
 use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Rod, RootSupport, Scheme, Section, Slide, Taper};
+
+use crate::common::{SCHEMES, total_energy, unit_rod};
+use crate::modes::{RitzBeam, frequencies};
 
 fn spring(stiffness: f64) -> RootSupport {
     RootSupport::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }

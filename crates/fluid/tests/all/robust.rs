@@ -1,12 +1,9 @@
 //! No run fails silently: some cells of the table of stability.
 
-#[path = "common/cases.rs"]
-mod cases;
-mod common;
-
-use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
-use common::fluid_of;
 use nervure_fluid::{Error, Grid};
+
+use crate::cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
+use crate::common::fluid_of;
 
 const CASE: Case = Case { scheme: "sbdf2", mask: LOG_LINEAR, c_eta: 1e-5, cfl: 0.4, reynolds: 100.0 };
 

@@ -4,7 +4,7 @@ use nervure_scene::{Acceleration, CouplingScheme, Guards, Load, Scene};
 
 /// FSI3 with some of its text replaced.
 fn fsi3(replaced: &[(&str, &str)]) -> Result<Scene, String> {
-    let mut text = include_str!("../../../scenes/fsi3-325x72.json").to_string();
+    let mut text = include_str!("../../../../scenes/fsi3-325x72.json").to_string();
     for (old, new) in replaced {
         assert!(text.contains(old), "{old} is not in the scene");
         text = text.replace(old, new);

@@ -1,19 +1,16 @@
 //! Exact solutions and invariants.
 
-mod common;
-#[path = "common/measures.rs"]
-mod measures;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{fluid_of, run, scene, spectrum, unlimited_fluid_of};
-use measures::{
-    BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
-    taylor_green_error, walls,
-};
 use nervure_fluid::{Fluid, Loads, Stations};
 use rustfft::num_complex::Complex64;
 use scene::{Filter, Mask, TimeScheme, WallCorrection};
+
+use crate::common::{fluid_of, run, scene, spectrum, unlimited_fluid_of};
+use crate::measures::{
+    BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
+    taylor_green_error, walls,
+};
 
 const FREE_BEAM: &str = r#", "beam": { "root": { "at": { "position": [0.4, 0.2], "direction": [1, 0] } },
     "length": 0.35, "thickness": 0.05, "segments": 12 }"#;

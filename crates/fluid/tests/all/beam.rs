@@ -1,12 +1,11 @@
 //! The beam's stations: their axes, their path, and the loads and impedance that are announced to each of them.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{fluid_of, run, scene};
 use nervure_fluid::{Fluid, Loads, State, Stations};
 use scene::{Mask, Scene, TimeScheme, WallCorrection};
+
+use crate::common::{fluid_of, run, scene};
 
 const MASKS: [Mask; 2] = [
     Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },

@@ -1,9 +1,8 @@
 //! Each bad input is refused with its name and value.
 
-mod common;
-
-use common::{turek_hron_bar, unit_rod};
 use nervure_rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RodState, Scheme, Section};
+
+use crate::common::{turek_hron_bar, unit_rod};
 
 fn bar() -> Parameters<2> {
     turek_hron_bar(5.6e6, 2.0, 4)

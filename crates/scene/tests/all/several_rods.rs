@@ -4,7 +4,7 @@ use nervure_scene::{Load, Scene};
 
 /// FSI3 with two rods in place of one, with some of its text replaced.
 fn two(replaced: &[(&str, &str)]) -> Result<Scene, String> {
-    let text = include_str!("../../../scenes/fsi3-325x72.json");
+    let text = include_str!("../../../../scenes/fsi3-325x72.json");
     let mut scene: serde_json::Value = serde_json::from_str(text).unwrap();
     let parts = scene.as_object_mut().unwrap();
     let (beam, rod) = (parts.remove("beam").unwrap(), parts.remove("rod").unwrap());

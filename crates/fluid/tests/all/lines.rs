@@ -1,11 +1,10 @@
 //! Thin beams and plates: added mass, friction, balance of momentum and power, states, and threads.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{fluid_of, run, scene};
 use nervure_fluid::{Fluid, Pose, Stations};
+
+use crate::common::{fluid_of, run, scene};
 
 /// A line along y of length 1 in the middle of a box of the size `size`, with `points` points a length.
 fn line(size: f64, points: usize, more: &str) -> Fluid {

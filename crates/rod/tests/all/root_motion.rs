@@ -1,12 +1,11 @@
 //! Prescribed motion of the root.
 
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
 use scene::{RootLaws, Rotation, TimeLaw};
+
+use crate::common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
 
 /// Return the motion of the root of a rod along x at the origin.
 fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> BaseMotion<D> {

@@ -1,10 +1,9 @@
 //! Rod with shear, against the beam of Timoshenko.
 
-mod common;
-
-use common::unit_rod;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
 use nervure_rod::{Parameters, Rod, Scheme, Section};
+
+use crate::common::unit_rod;
 
 /// GA_s of a rod with length and bending stiffness 1: shear is a twentieth of the deflection of the tip.
 const SHEAR: f64 = 60.0;

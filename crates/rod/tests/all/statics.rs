@@ -1,11 +1,10 @@
 //! Equilibrium shapes.
 
-mod common;
-
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use common::{elastica_tip, turek_hron_bar, unit_rod};
 use nervure_rod::{Bending, Calibration, Loads, Parameters, Rod, Scheme, Section};
+
+use crate::common::{elastica_tip, turek_hron_bar, unit_rod};
 
 /// Return the bar of CSM1: 2 m/s² on 0.35 m.
 fn csm1(segments: usize) -> Parameters<2> {

@@ -1,12 +1,11 @@
 //! Single precision: as exact as seven digits allow, without drift, and told apart from double precision.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{fluid_of, run, scene};
 use nervure_fluid::{Error, Fluid, State};
 use scene::{Precision, Scene, TimeScheme};
+
+use crate::common::{fluid_of, run, scene};
 
 /// A closed channel with a cylinder and a beam behind it.
 const CYLINDER_AND_BEAM: &str = r#"

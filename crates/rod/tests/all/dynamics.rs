@@ -1,11 +1,10 @@
 //! Motion in vacuo and under loads.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use nervure_rod::{BaseMotion, Error, Parameters, Rod, RodError, Scheme, Section};
+
+use crate::common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
 
 /// Roots of 1 + cos b cosh b = 0; the natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
 const CANTILEVER: [f64; 3] = [1.875104068711961, 4.694091132974175, 7.854757438237613];

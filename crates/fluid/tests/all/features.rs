@@ -1,12 +1,11 @@
 //! Forces of several bodies, probes, forcing, and Heun's scheme with all of them.
 
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::{fluid_of, run, scene};
 use nervure_fluid::Fluid;
 use scene::{Mask, Scene, TimeScheme};
+
+use crate::common::{fluid_of, run, scene};
 
 const SCHEMES: [TimeScheme; 2] = [TimeScheme::Sbdf2, TimeScheme::Rk2];
 
