@@ -218,7 +218,7 @@ PAGE := target/lab/index.html
 AXE := target/axe/package/axe.min.js
 BROWSERS := wasm32-unknown-unknown
 
-lab: ## build the lab, a page that simulates in the browser, as the file PAGE=target/lab/index.html
+lab: ## build the lab, a page that simulates in the browser, as the file PAGE=target/lab/index.html; needs rustup
 	[ -d "$$(rustc --print target-libdir --target $(BROWSERS))" ] || rustup target add $(BROWSERS)
 	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
 
@@ -301,7 +301,7 @@ dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
-wheel: wheel-told dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel
+wheel: wheel-told dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel; needs rustup
 	for target in $(wordlist 1,3,$(DIST_TARGETS)) $(UNIVERSAL); do \
 	NERVURE_LIBRARIES=$(CURDIR)/target/dist/$$target/release $(RUN) $(PIP) wheel --no-deps --no-build-isolation \
 	--wheel-dir target/wheel . || exit; done
@@ -311,7 +311,7 @@ wheel: wheel-told dist-libraries $(READY) ## make a wheel for each of these syst
 wheel-told:
 	@echo "wheels go into target/wheel; the units are built for five systems, which takes five times as long as make build"
 
-foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, and check the libraries for macOS; needs wine and qemu-user
+foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, and check the libraries for macOS; needs wine, qemu-user and libc6-arm64-cross
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \
 	$(ZIGBUILD) --manifest-path studies/rust/Cargo.toml -p foreign-master --target-dir target/foreign --target $$target || exit; done
 	cd target/foreign/$(word 3,$(DIST_TARGETS))/release && $(abspath $(DIST_VENV))/bin/python -m ziglang cc \

@@ -63,7 +63,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "verification": tuple(f"python/nervure/verification/{name}.py" for name in ("estimate", "plan", "process")),
     "keeping": ("python/nervure/simulation/checkpoint.py", "python/nervure/output/fields.py"),
     "command": ("python/nervure/**/*.py",),
-    "export": ("crates/fmi-export/src/**/*.rs", "crates/fpenv/src/**/*.rs"),
+    "export": ("crates/fmi-export/src/**/*.rs", "crates/adapter/src/**/*.rs", "crates/fpenv/src/**/*.rs"),
     "reliability": ("tests/reliability/*.py", "tests/reliability/scene.json"),
     "fuzz": ("tests/fuzz/*.py", "tests/fuzz/fuzz_targets/*.rs"),
     "peers": tuple(f"studies/peers/{name}.py" for name in ("fluidsim_step", "ngsolve_cylinder", "pyelastica_beam")),

@@ -111,8 +111,9 @@ def wing_library(libraries):
 def body_library(wing_library):
     """The library of a free body, which is built where a scene needs it."""
     if "NERVURE_LIBRARIES" not in os.environ:
-        command = ["cargo", "build", "--quiet", "--release", "--locked", "--package", "nervure-fmu-body"]
-        subprocess.run(command, cwd=ROOT, check=True)
+        # With rod and fluid, so that crates that they share have the features with which they are built already.
+        packages = [f"--package=nervure-fmu-{kind}" for kind in ("rod", "fluid", "body")]
+        subprocess.run(["cargo", "build", "--quiet", "--release", "--locked", *packages], cwd=ROOT, check=True)
 
 
 @pytest.fixture

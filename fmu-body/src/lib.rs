@@ -4,18 +4,17 @@ mod unit;
 mod variables;
 
 use fmi_export::{Description, Log, Model, Resources, Variable};
-use scene::Scene;
 
 use unit::{BodyUnit, UnitState};
 
 impl Model for BodyUnit {
     const IDENTIFIER: &'static str = "fmu_body";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    const RESOURCES: &'static [&'static str] = &["scene.json"];
+    const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
     type State = UnitState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        Self::new(Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?)
+        Self::new(adapter::scene_of(resources)?)
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -24,16 +23,11 @@ impl Model for BodyUnit {
     }
 
     fn description(&self) -> Description {
-        Description {
-            model_name: format!("{}.body", self.scene.name),
-            text: "Free rigid body with driven hinges, implicit with what it carries".into(),
-            author: "The nervure developers".into(),
-            copyright: "Copyright (c) 2026 The nervure developers".into(),
-            license: env!("CARGO_PKG_LICENSE").into(),
-            stop: self.scene.time.end,
-            step: self.scene.time.communication_step,
-            ..Description::default()
-        }
+        adapter::description(
+            &self.scene,
+            format!("{}.body", self.scene.name),
+            "Free rigid body with driven hinges, implicit with what it carries",
+        )
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
@@ -59,7 +53,4 @@ impl Model for BodyUnit {
     }
 }
 
-fmi_export::export_fmu!(BodyUnit);
-fmi_export::export_text!(fmu_scene_check = scene::check_text);
-fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
-fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);
+adapter::export_unit!(BodyUnit);

@@ -2,6 +2,7 @@
 
 use std::slice::from_mut;
 
+use adapter::along_axes;
 use rigid::Placed;
 
 use crate::unit::{BodyUnit, Carrying};
@@ -9,15 +10,13 @@ use crate::unit::{BodyUnit, Carrying};
 type Real = fmi_export::Real<BodyUnit>;
 type Variable = fmi_export::Variable<BodyUnit>;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
-
 /// Return the variables of a unit, without the variables of absent parts.
 pub fn list(unit: &BodyUnit) -> Vec<Variable> {
     let mut list = vec![
         Real::time(),
         Real::parameter("mass", "kg", "Mass without what the body carries", |m| from_mut(&mut m.mass)).above(0.0),
     ];
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", move |m| from_mut(&mut m.gravity[d]))
     }));
     list.push(Real::input("step", "s", "Length of the coming step", |m| from_mut(&mut m.step)).above(0.0));
@@ -41,21 +40,16 @@ pub fn list(unit: &BodyUnit) -> Vec<Variable> {
     list
 }
 
-/// Return a variable for each axis, made from its number and name.
-fn along_axes(make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
-    AXES.iter().enumerate().map(move |(d, axis)| make(d, axis))
-}
-
 /// Return what the fluid announces.
 fn of_fluid() -> Vec<Variable> {
     let mut list = Vec::new();
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Force of the fluid on the body if it keeps its velocities";
         Real::input(format!("load.force_{axis}"), "N", text, move |m| {
             m.fluid.as_mut().map_or(&mut [], |fluid| from_mut(&mut fluid.force[d]))
         })
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Moment of that force about the pivot";
         Real::input(format!("load.moment_{axis}"), "N.m", text, move |m| {
             m.fluid.as_mut().map_or(&mut [], |fluid| from_mut(&mut fluid.moment[d]))
@@ -94,11 +88,11 @@ fn hinge_inputs(k: usize, own: &Carrying) -> Vec<Variable> {
         })
         .array(36),
     );
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Force of the body on the root in the last step";
         Real::input(format!("{name}.root.force_{axis}"), "N", text, move |m| from_mut(&mut m.hinges[k].force[d]))
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Moment of the body about the root in the last step";
         Real::input(format!("{name}.root.moment_{axis}"), "N.m", text, move |m| from_mut(&mut m.hinges[k].moment[d]))
     }));
@@ -111,22 +105,22 @@ fn motion() -> Vec<Variable> {
         Real::computed(name, unit, text, move |m: &mut BodyUnit| read(m)[d])
     };
     let mut list = Vec::new();
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         of(axis.into(), "m", "Position of the pivot", d, |m| m.body().state.now.position.into())
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         of(format!("v{axis}"), "m/s", "Velocity of the pivot", d, |m| m.body().state.now.velocity.into())
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         of(format!("angle_{axis}"), "rad", "Component of the rotation vector from rest", d, |m| m.angle)
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         of(format!("omega_{axis}"), "rad/s", "Angular velocity", d, |m| m.body().state.now.omega.into())
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         of(format!("momentum.{axis}"), "kg.m/s", "Momentum of the body", d, |m| m.body().momentum()[0].into())
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Angular momentum of the body about the origin";
         of(format!("angular_momentum.{axis}"), "kg.m2/s", text, d, |m| m.body().momentum()[1].into())
     }));
@@ -149,15 +143,15 @@ fn root(
         Real::computed(name, unit, format!("{what} of the root {when}"), move |m| of(&read(m))[d])
     };
     let mut list = Vec::new();
-    list.extend(along_axes(|d, axis| output(axis.into(), "m", "Position", |at| at.position.into(), d)));
-    list.extend(along_axes(|d, axis| output(format!("v{axis}"), "m/s", "Velocity", |at| at.velocity.into(), d)));
+    list.extend(along_axes(3, |d, axis| output(axis.into(), "m", "Position", |at| at.position.into(), d)));
+    list.extend(along_axes(3, |d, axis| output(format!("v{axis}"), "m/s", "Velocity", |at| at.velocity.into(), d)));
     if let Some(direction) = own.direction {
         let along = move |m: &BodyUnit| (read(m), read(m).orientation * direction);
-        list.extend(along_axes(|d, axis| {
+        list.extend(along_axes(3, |d, axis| {
             let (name, text) = (format!("{prefix}direction.{axis}"), format!("Direction of the rod {when}"));
             Real::computed(name, "1", text, move |m: &mut BodyUnit| along(m).1[d])
         }));
-        list.extend(along_axes(|d, axis| {
+        list.extend(along_axes(3, |d, axis| {
             let (name, text) = (format!("{prefix}direction_rate.{axis}"), format!("Rate of the direction {when}"));
             Real::computed(name, "1/s", text, move |m: &mut BodyUnit| {
                 let (at, direction) = along(m);
@@ -172,7 +166,7 @@ fn root(
             read(m).orientation.to_rotation_matrix()[(i / 3, i % 3)]
         }));
     }
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         output(format!("omega_{axis}"), "rad/s", "Angular velocity", |at| at.omega.into(), d)
     }));
     list

@@ -1,32 +1,14 @@
 //! The fluid of a scene, in the plane or in space.
 
+use adapter::Dimensions;
 use fluid::{Error, Fluid, Followed, Motion, Parameters, Pose, Solvable, State, Stations};
 use fmi_export::require_memory;
 use scene::Scene;
-use serde::{Deserialize, Serialize};
-
-/// Something of two or three dimensions.
-#[derive(Clone, Serialize, Deserialize)]
-pub enum Either<P, S> {
-    Plane(P),
-    Space(S),
-}
 
 /// The fluid of a scene.
-pub type Flow = Either<FlowIn<2>, FlowIn<3>>;
+pub type Flow = Dimensions<FlowIn<2>, FlowIn<3>>;
 /// A state of a fluid.
-pub type FlowState = Either<State<2>, State<3>>;
-
-/// Evaluate one expression for a fluid of either dimension.
-macro_rules! either {
-    ($flow:expr, $own:ident => $value:expr) => {
-        match $flow {
-            $crate::flow::Either::Plane($own) => $value,
-            $crate::flow::Either::Space($own) => $value,
-        }
-    };
-}
-pub(crate) use either;
+pub type FlowState = Dimensions<State<2>, State<3>>;
 
 /// A fluid of D dimensions, with the inputs of its next step.
 pub struct FlowIn<const D: usize>
@@ -45,49 +27,29 @@ where
 }
 
 /// The numbers of dimensions.
-pub trait Dimensions<const D: usize>: Solvable<D> {
+pub trait Counted<const D: usize>: Solvable<D> {
     /// Return the fluid, which is of this number.
     fn of(flow: &mut Flow) -> &mut FlowIn<D>
     where
         [f64; D]: Solvable<D>;
 }
 
-impl Dimensions<2> for [f64; 2] {
+impl Counted<2> for [f64; 2] {
     fn of(flow: &mut Flow) -> &mut FlowIn<2> {
-        if let Either::Plane(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
+        if let Flow::Plane(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
     }
 }
 
-impl Dimensions<3> for [f64; 3] {
+impl Counted<3> for [f64; 3] {
     fn of(flow: &mut Flow) -> &mut FlowIn<3> {
-        if let Either::Space(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
+        if let Flow::Space(flow) = flow { flow } else { panic!("the list is that of the dimensions of the fluid") }
     }
 }
 
-impl Flow {
-    /// Return the fluid of a scene without its solver; fails if there is no memory for that.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
-        let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
-        Ok(if is_space { Self::Space(FlowIn::new(scene)?) } else { Self::Plane(FlowIn::new(scene)?) })
-    }
-
-    /// Return a copy of everything that the next step depends on, but the inputs.
-    pub fn save(&self) -> FlowState {
-        match self {
-            Self::Plane(flow) => FlowState::Plane(flow.solver().state()),
-            Self::Space(flow) => FlowState::Space(flow.solver().state()),
-        }
-    }
-
-    /// Go to a state.
-    pub fn restore(&mut self, state: &FlowState) -> Result<(), String> {
-        let result = match (self, state) {
-            (Self::Plane(flow), FlowState::Plane(state)) => flow.solver_mut().restore(state),
-            (Self::Space(flow), FlowState::Space(state)) => flow.solver_mut().restore(state),
-            _ => return Err("it is the state of a fluid with another number of dimensions".into()),
-        };
-        result.map_err(|e| e.to_string())
-    }
+/// Return the fluid of a scene without its solver; fails if there is no memory for that.
+pub fn of_scene(scene: &Scene) -> Result<Flow, String> {
+    let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
+    Ok(if is_space { Flow::Space(FlowIn::new(scene)?) } else { Flow::Plane(FlowIn::new(scene)?) })
 }
 
 const BUILT: &str = "an instance has a solver";

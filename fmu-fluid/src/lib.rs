@@ -4,10 +4,11 @@ mod flow;
 mod parameters;
 mod variables;
 
+use adapter::{either, of_both};
 use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
 
-use flow::{Flow, FlowState, either};
+use flow::{Flow, FlowState};
 use parameters::Parameters;
 
 /// The fluid of a scene.
@@ -37,13 +38,13 @@ impl FluidUnit {
 impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    const RESOURCES: &'static [&'static str] = &["scene.json"];
+    const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
     const STATE_LAYOUT: u32 = 7;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
-        let flow = Flow::new(&scene)?;
+        let scene = adapter::scene_of(resources)?;
+        let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
         Ok(Self { parameters, scene, flow })
@@ -54,16 +55,11 @@ impl Model for FluidUnit {
     }
 
     fn description(&self) -> Description {
-        Description {
-            model_name: format!("{}.fluid", self.scene.name),
-            text: "Incompressible flow by a Fourier pseudo-spectral method with volume penalization".into(),
-            author: "The nervure developers".into(),
-            copyright: "Copyright (c) 2026 The nervure developers".into(),
-            license: env!("CARGO_PKG_LICENSE").into(),
-            stop: self.scene.time.end,
-            step: self.scene.time.communication_step,
-            ..Description::default()
-        }
+        adapter::description(
+            &self.scene,
+            format!("{}.fluid", self.scene.name),
+            "Incompressible flow by a Fourier pseudo-spectral method with volume penalization",
+        )
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
@@ -91,12 +87,12 @@ impl Model for FluidUnit {
     }
 
     fn save(&self) -> FlowState {
-        self.flow.save()
+        of_both!(&self.flow, flow => flow.solver().state())
     }
 
     fn restore(&mut self, state: &FlowState) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
-        self.flow.restore(state)
+        adapter::restore!(&mut self.flow, state, flow => flow.solver_mut())
     }
 
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
@@ -107,7 +103,4 @@ impl Model for FluidUnit {
     }
 }
 
-fmi_export::export_fmu!(FluidUnit);
-fmi_export::export_text!(fmu_scene_check = scene::check_text);
-fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
-fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);
+adapter::export_unit!(FluidUnit);

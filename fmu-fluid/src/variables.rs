@@ -5,16 +5,16 @@
 
 use std::slice::from_mut;
 
+use adapter::AXES;
 use fluid::{Fluid, Force, Kinematics, Pose, Stations};
 use scene::{Followed, Load, Surface};
 
 use super::FluidUnit;
-use super::flow::{Dimensions, Flow, FlowIn};
+use super::flow::{Counted, Flow, FlowIn};
 
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
 /// Names of the force along each axis.
 const FORCES: [&str; 3] = ["drag", "lift", "side"];
 /// Names of the velocity along each axis.
@@ -69,7 +69,7 @@ impl Names {
 /// Return inputs and solver of a unit, whose list is that of its dimensions.
 fn flow<const D: usize>(unit: &mut FluidUnit) -> &mut FlowIn<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Counted<D>,
 {
     <[f64; D]>::of(&mut unit.flow)
 }
@@ -77,7 +77,7 @@ where
 /// Return the solver of a unit.
 fn fluid<const D: usize>(unit: &mut FluidUnit) -> &mut Fluid<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Counted<D>,
 {
     flow(unit).solver_mut()
 }
@@ -98,7 +98,7 @@ fn per_depth<const D: usize>(unit: &'static str) -> &'static str {
 
 impl<const D: usize> List<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Counted<D>,
 {
     fn of(unit: &FluidUnit, FlowIn { stations, .. }: &FlowIn<D>) -> Vec<Variable> {
         let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
@@ -456,7 +456,7 @@ enum Component<const D: usize> {
 
 impl<const D: usize> Component<D>
 where
-    [f64; D]: Dimensions<D>,
+    [f64; D]: Counted<D>,
 {
     fn of(self, pose: &mut Pose<D>) -> &mut f64 {
         match self {

@@ -7,12 +7,12 @@ mod parameters;
 mod unit;
 mod variables;
 
+use adapter::{Carried, either, of_both};
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use rod::{RootSupport, Statistics};
-use scene::Scene;
 
 use body::BodyState;
-use unit::{Announced, ROUNDING, RodUnit};
+use unit::RodUnit;
 
 /// Memory of a rod in space with its scratch, rounded up, bytes per station.
 const BYTES_PER_STATION: usize = 4000;
@@ -22,11 +22,11 @@ const STATE_BYTES_PER_STATION: usize = 250;
 impl Model for RodUnit {
     const IDENTIFIER: &'static str = "fmu_rod";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    const RESOURCES: &'static [&'static str] = &["scene.json"];
+    const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
     type State = BodyState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        let whole = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
+        let whole = adapter::scene_of(resources)?;
         let load = whole.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default();
         let scene = whole.of_unit().ok_or("the scene has several rods, but no key `this_rod` selects one of them")?;
         let (Some(beam), Some(rod)) = (scene.beam.clone(), scene.rod.clone()) else {
@@ -49,16 +49,11 @@ impl Model for RodUnit {
             RootSupport::TorsionSpring { .. } => "on a torsion spring at its root",
             RootSupport::Free => "free at its root",
         };
-        Description {
-            model_name: self.name.clone(),
-            text: format!("Elastic mass-spring rod, {root}, implicit in time"),
-            author: "The nervure developers".into(),
-            copyright: "Copyright (c) 2026 The nervure developers".into(),
-            license: env!("CARGO_PKG_LICENSE").into(),
-            stop: self.scene.time.end,
-            step: self.scene.time.communication_step,
-            ..Description::default()
-        }
+        adapter::description(
+            &self.scene,
+            self.name.clone(),
+            format!("Elastic mass-spring rod, {root}, implicit in time"),
+        )
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
@@ -75,13 +70,10 @@ impl Model for RodUnit {
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
-        if let Some(Announced { step, .. }) = self.response
-            && (h - step).abs() > ROUNDING * h
-        {
-            return Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"));
-        }
+        self.begin_step(h)?;
         RodUnit::step(self, t, h).map_err(|e| format!("{e}, {}", span()))?;
-        let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } = self.body().statistics();
+        let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } =
+            either!(self.body(), rod => rod.statistics());
         if rescues > 0 || negative_pivots > 0 || halvings > 0 {
             log.info(format_args!(
                 "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, \
@@ -97,18 +89,15 @@ impl Model for RodUnit {
     }
 
     fn save(&self) -> BodyState {
-        self.body().save()
+        of_both!(self.body(), rod => rod.state().clone())
     }
 
     fn restore(&mut self, state: &BodyState) -> Result<(), String> {
         self.mark_stale();
         self.apply_parameters().map_err(|e| e.to_string())?;
-        self.body_mut().restore(state)?;
+        adapter::restore!(self.body_mut(), state, rod => rod)?;
         self.copy_to_outputs().map_err(|e| e.to_string())
     }
 }
 
-fmi_export::export_fmu!(RodUnit);
-fmi_export::export_text!(fmu_scene_check = scene::check_text);
-fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
-fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);
+adapter::export_unit!(RodUnit);

@@ -1,8 +1,9 @@
 //! Parameters that a master may set before the start without another scene file.
 
+use adapter::either;
 use rod::Section;
 
-use crate::body::{Plan, either};
+use crate::body::Plan;
 
 /// Parameters of the rod, in SI units.
 #[derive(Clone, Copy, PartialEq)]

@@ -1,11 +1,12 @@
 //! The unit: a rod with its scene, inputs and results.
 
+use adapter::{Announced, Carried, Dimensions, either};
 use rod::{BaseMotion, Energy, Error, Loads, RootResponse, RootSupport};
 use scene::{Beam, FlyerHinge, RootMotion, Scene};
 
-use crate::body::{Body, Dimensions, Plan, either};
+use crate::body::{Body, Plan};
 use crate::parameters::Parameters;
-use crate::{contact, from_scene};
+use crate::{body, contact, from_scene};
 
 const BUILT: &str = "an instance has a body";
 
@@ -31,24 +32,8 @@ pub struct RodUnit {
     pub load: [String; 2],
     pub energy: Energy,
     /// Response of the root, if a body carries the rod.
-    pub response: Option<Announced>,
+    pub announced: Option<Announced>,
 }
-
-/// What the rod announces to a body that carries it.
-#[derive(Clone, Copy)]
-pub struct Announced {
-    /// Length of the coming step, s.
-    pub step: f64,
-    /// Whether inputs or state have changed since it was found.
-    is_stale: bool,
-    found: RootResponse,
-}
-
-/// A response that could not be found.
-const UNKNOWN: RootResponse = RootResponse { reaction: [f64::NAN; 6], impedance: [[f64::NAN; 6]; 6] };
-
-/// Relative difference of a step from the announced one that counts as rounding.
-pub const ROUNDING: f64 = 1e-9;
 
 /// Motion of the root as inputs of a master that drives it.
 #[derive(Clone, Copy)]
@@ -86,8 +71,8 @@ impl RodUnit {
         if hinge.is_some() {
             rod.root_motion = Some(RootMotion::Master);
         }
-        let step = scene.time.communication_step;
-        let plan = Plan::of(&scene, &beam, &rod);
+        let announced = hinge.map(|_| Announced::new(scene.time.communication_step));
+        let plan = body::plan(&scene, &beam, &rod);
         either!(&plan, parameters => parameters.check()?);
         let (position, direction) = scene.beam_root(&beam);
         let angle = direction[1].atan2(direction[0]);
@@ -96,7 +81,7 @@ impl RodUnit {
             name,
             parameters: Parameters::of(&plan),
             load,
-            loads: from_scene::loads(&scene, plan.dimension(), beam.segments + 1),
+            loads: from_scene::loads(&scene, plan.count(), beam.segments + 1),
             energy: Energy::default(),
             base: BaseInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
             obstacles: scene.contact_bodies(),
@@ -105,13 +90,13 @@ impl RodUnit {
             rod,
             plan,
             body: None,
-            response: hinge.map(|_| Announced { step, is_stale: true, found: UNKNOWN }),
+            announced,
         })
     }
 
     /// Build the body, at the place of time 0.
     pub fn build(&mut self) -> Result<(), Error> {
-        self.set_body(self.plan.build()?);
+        self.set_body(body::build(&self.plan)?);
         self.energy = either!(self.body(), rod => rod.energy()?);
         self.place(0.0)
     }
@@ -123,14 +108,14 @@ impl RodUnit {
         }
         let mut plan = self.plan.clone();
         self.parameters.apply(&mut plan);
-        self.set_body(plan.build()?);
+        self.set_body(body::build(&plan)?);
         self.plan = plan;
         Ok(())
     }
 
     fn set_body(&mut self, mut body: Body) {
         either!(&mut body, rod => rod.loads = self.loads.clone());
-        if let (Some(_), Dimensions::Spatial(rod)) = (self.response, &mut body) {
+        if let (Some(_), Dimensions::Space(rod)) = (&self.announced, &mut body) {
             rod.carry();
         }
         self.body = Some(body);
@@ -183,11 +168,11 @@ impl RodUnit {
             RootMotion::Master => {
                 let BaseInputs { position, velocity, angle, omega, direction, direction_rate } = self.base;
                 match self.plan {
-                    Plan::Planar(_) => {
+                    Plan::Plane(_) => {
                         let (sin, cos) = angle.sin_cos();
                         [position, velocity, [cos, sin, 0.0], [-omega * sin, omega * cos, 0.0]]
                     }
-                    Plan::Spatial(_) => [position, velocity, direction, direction_rate],
+                    Plan::Space(_) => [position, velocity, direction, direction_rate],
                 }
             }
         })
@@ -197,28 +182,6 @@ impl RodUnit {
     pub fn base_mut(&mut self) -> &mut BaseInputs {
         self.mark_stale();
         &mut self.base
-    }
-
-    /// Find the response of the root anew where it is read again.
-    pub fn mark_stale(&mut self) {
-        if let Some(response) = &mut self.response {
-            response.is_stale = true;
-        }
-    }
-
-    /// Return the response of the root in the coming step, with numbers that are none where the step fails.
-    pub fn response(&mut self) -> &RootResponse {
-        let base = self.base_at(0.0);
-        let Self { response: Some(response), body: Some(Dimensions::Spatial(rod)), loads, .. } = self else {
-            return &UNKNOWN;
-        };
-        if response.is_stale {
-            rod.base_motion = base.map(base_motion);
-            rod.loads.copy_from(loads);
-            response.found = rod.root_response(response.step).unwrap_or(UNKNOWN);
-            response.is_stale = false;
-        }
-        &response.found
     }
 
     /// Place the rod at rest with its root in the state of time `t`, if the root moves.
@@ -240,7 +203,6 @@ impl RodUnit {
 
     /// Advance from `t` to `t + h`.
     pub fn step(&mut self, t: f64, h: f64) -> Result<(), Error> {
-        self.mark_stale();
         self.move_obstacles([t, t + h]);
         if let Some(base) = self.base_at(t + h) {
             either!(self.body_mut(), rod => rod.base_motion = Some(base_motion(base)));
@@ -249,8 +211,28 @@ impl RodUnit {
             either!(self.body_mut(), rod => rod.towing = std::array::from_fn(|d| towing[d]));
         }
         let (body, loads) = (self.body.as_mut().expect(BUILT), &self.loads);
-        either!(&mut *body, rod => rod.loads.copy_from(loads));
-        body.step(h)?;
+        either!(body, rod => {
+            rod.loads.copy_from(loads);
+            rod.step(h)?;
+        });
         self.copy_to_outputs()
+    }
+}
+
+impl Carried for RodUnit {
+    fn announced(&mut self) -> Option<&mut Announced> {
+        self.announced.as_mut()
+    }
+
+    fn response(&mut self) -> &RootResponse {
+        let base = self.base_at(0.0);
+        let Self { announced: Some(announced), body: Some(Dimensions::Space(rod)), loads, .. } = self else {
+            return &adapter::UNKNOWN;
+        };
+        announced.or_find(|step| {
+            rod.base_motion = base.map(base_motion);
+            rod.loads.copy_from(loads);
+            rod.root_response(step)
+        })
     }
 }

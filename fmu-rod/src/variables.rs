@@ -2,18 +2,17 @@
 
 use std::slice::{from_mut, from_ref};
 
+use adapter::{AXES, Carried, either};
 use rod::{RootSupport, Statistics, Taper};
 use scene::RootMotion;
 
-use crate::body::{Body, either};
+use crate::body::Body;
 use crate::unit::RodUnit;
 
 type Real = fmi_export::Real<RodUnit>;
 type Integer = fmi_export::Integer<RodUnit>;
 type Text = fmi_export::Text<RodUnit>;
 type Variable = fmi_export::Variable<RodUnit>;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Return the variables of a unit, without the variables of absent parts.
 pub fn list(unit: &RodUnit) -> Vec<Variable> {
@@ -38,8 +37,8 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
         ]);
     }
     list.extend(energy_and_newton_outputs(unit).map(at_the_end));
-    if unit.response.is_some() {
-        list.extend(response());
+    if unit.announced.is_some() {
+        list.extend(adapter::response());
     }
     if unit.scene.contact.is_some() {
         let text = "Energy of contact";
@@ -49,14 +48,14 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
     list
 }
 
-/// Return a variable for each axis, made from its number and name.
+/// Return a variable for each axis of a unit.
 fn along_axes(unit: &RodUnit, make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
-    AXES[..unit.plan.dimension()].iter().enumerate().map(move |(d, axis)| make(d, axis))
+    adapter::along_axes(unit.plan.count(), make)
 }
 
 /// Return `spatial` in space and `planar` in the plane, where quantities are per metre of depth.
 fn per<'a>(unit: &RodUnit, spatial: &'a str, planar: &'a str) -> &'a str {
-    if unit.plan.dimension() == 2 { planar } else { spatial }
+    if unit.plan.count() == 2 { planar } else { spatial }
 }
 
 /// Return an output read from a body.
@@ -162,7 +161,7 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
 fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     let mut list = Vec::new();
     let driven = |make: &dyn Fn(usize, &str) -> Variable| {
-        let axes = AXES[..unit.plan.dimension()].iter().enumerate();
+        let axes = AXES[..unit.plan.count()].iter().enumerate();
         axes.filter(|(d, _)| slide_axis(unit) != Some(*d)).map(|(d, axis)| make(d, axis)).collect::<Vec<_>>()
     };
     list.extend(driven(&|d, axis| {
@@ -176,7 +175,7 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     if unit.support() == RootSupport::Pinned {
         return list;
     }
-    if unit.plan.dimension() == 2 {
+    if unit.plan.count() == 2 {
         let text = "Angle of the beam at the root, from the x axis";
         list.push(Real::input("root.angle", "rad", text, |m| from_mut(&mut m.base.angle)));
         let text = "Rate of the angle at the root";
@@ -194,35 +193,18 @@ fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     list
 }
 
-/// Return what the rod announces to a body that carries it.
-fn response() -> [Variable; 3] {
-    [
-        Real::input("root.step", "s", "Length of the coming step", |m| {
-            m.mark_stale();
-            m.response.as_mut().map_or(&mut [], |response| from_mut(&mut response.step))
-        })
-        .above(0.0),
-        Real::output("root.reaction", "1", "Force, N, and moment, N m, on the body in the coming step", |m| {
-            &m.response().reaction
-        })
-        .array(6),
-        Real::output("root.impedance", "1", "Rows of the rate at which they fall with the root's velocities", |m| {
-            m.response().impedance.as_flattened()
-        })
-        .array(36),
-    ]
-}
-
 /// Return the motion of the stations and of the tip, and force, power and work of the loads.
 fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
     let stations = unit.stations();
     let mut list = Vec::new();
     list.extend(along_axes(unit, |d, axis| {
-        Real::output(axis, "m", "Position of the stations", move |m| m.body().positions(d)).array(stations)
+        Real::output(axis, "m", "Position of the stations", move |m| either!(m.body(), rod => rod.positions(d)))
+            .array(stations)
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = "Velocity of the stations";
-        Real::output(format!("v{axis}"), "m/s", text, move |m| m.body().velocities(d)).array(stations)
+        Real::output(format!("v{axis}"), "m/s", text, move |m| either!(m.body(), rod => rod.velocities(d)))
+            .array(stations)
     }));
     list.extend(along_axes(unit, |d, axis| {
         output(
@@ -234,7 +216,7 @@ fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = "Velocity of the tip";
-        output(format!("tip.v{axis}"), "m/s", text, move |body| body.velocities(d)[stations - 1])
+        output(format!("tip.v{axis}"), "m/s", text, move |body| either!(body, rod => rod.velocities(d)[stations - 1]))
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = format!("Sum of the loads on the stations along {axis} at the end of the step");
@@ -260,7 +242,7 @@ fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
 
 /// Return angle and rate of a torsion spring at the root, in the plane.
 fn hinge_outputs(unit: &RodUnit) -> Vec<Variable> {
-    let spring = matches!(unit.support(), RootSupport::TorsionSpring { .. }) && unit.plan.dimension() == 2;
+    let spring = matches!(unit.support(), RootSupport::TorsionSpring { .. }) && unit.plan.count() == 2;
     if !spring {
         return Vec::new();
     }
@@ -288,7 +270,7 @@ fn slide_outputs(unit: &RodUnit) -> Vec<Variable> {
             format!("root.v{name}"),
             "m/s",
             format!("Velocity of the root along {name}, on its slide"),
-            move |body| body.velocities(axis)[0],
+            move |body| either!(body, rod => rod.velocities(axis)[0]),
         ),
     ]
 }
@@ -326,7 +308,7 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
         let text = "Driving moment about the root";
         output(name, unit, text, move |body| either!(body, rod => rod.state().drive.moment[d]))
     };
-    if turns && unit.plan.dimension() == 2 {
+    if turns && unit.plan.count() == 2 {
         list.push(moment("root.moment", "N.m/m", 2));
     } else if turns {
         list.extend(along_axes(unit, |d, axis| moment(&format!("root.moment_{axis}"), "N.m", d)));
@@ -359,7 +341,7 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
 fn energy_and_newton_outputs(unit: &RodUnit) -> [Variable; 7] {
     let unit = per(unit, "J", "J/m");
     let count = |name: &str, text: &str, of: fn(Statistics) -> usize| {
-        Integer::count(name, text, move |m| of(m.body().statistics()))
+        Integer::count(name, text, move |m| of(either!(m.body(), rod => rod.statistics())))
     };
     [
         Real::computed("energy.elastic", unit, "Energy of extension, bending and shear", |m| {

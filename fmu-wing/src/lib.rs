@@ -3,6 +3,7 @@
 mod from_scene;
 mod variables;
 
+use adapter::{Announced, Carried};
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::{Scene, WingDrive};
 use wing::{Energy, Error, Loads, Membrane, RigidMotion, RootResponse, Statistics, Wing};
@@ -23,7 +24,7 @@ pub struct WingUnit {
     /// Base at the end of the next step, if the master or a body moves it.
     base: Option<Base>,
     /// Response of the root, if a body carries the wing.
-    response: Option<Announced>,
+    announced: Option<Announced>,
     parameters: Parameters,
     /// Parameters of the wing that is built of them.
     rest: wing::Parameters,
@@ -47,22 +48,6 @@ struct Base {
     rotation: [f64; 9],
     omega: [f64; 3],
 }
-
-/// What the wing announces to a body that carries it.
-#[derive(Clone, Copy)]
-struct Announced {
-    /// Length of the coming step, s.
-    step: f64,
-    /// Whether inputs or state have changed since it was found.
-    is_stale: bool,
-    found: RootResponse,
-}
-
-/// A response that could not be found.
-const UNKNOWN: RootResponse = RootResponse { reaction: [f64::NAN; 6], impedance: [[f64::NAN; 6]; 6] };
-
-/// Relative difference of a step from the announced one that counts as rounding.
-const ROUNDING: f64 = 1e-9;
 
 /// Parameters that a master may set before the start.
 #[derive(Clone, Copy)]
@@ -93,8 +78,7 @@ impl WingUnit {
             }),
             omega: [0.0; 3],
         });
-        let step = scene.time.communication_step;
-        let response = hinge.map(|_| Announced { step, is_stale: true, found: UNKNOWN });
+        let announced = hinge.map(|_| Announced::new(scene.time.communication_step));
         let rest = from_scene::parameters(&own, scene.fluid.as_ref());
         let nodes = rest.mesh.nodes.len();
         require_memory(BYTES_PER_NODE * nodes)?;
@@ -117,7 +101,7 @@ impl WingUnit {
             wing: None,
             name,
             base,
-            response,
+            announced,
             rest,
             scene,
             own,
@@ -156,7 +140,7 @@ impl WingUnit {
 
     fn set_wing(&mut self, mut wing: Wing) {
         wing.loads = self.loads.clone();
-        if self.response.is_some() {
+        if self.announced.is_some() {
             wing.carry();
         }
         self.wing = Some(wing);
@@ -189,26 +173,6 @@ impl WingUnit {
         self.base.as_mut().expect("there are inputs of a base")
     }
 
-    /// Find the response of the root anew where it is read again.
-    fn mark_stale(&mut self) {
-        if let Some(response) = &mut self.response {
-            response.is_stale = true;
-        }
-    }
-
-    /// Return the response of the root in the coming step, with numbers that are none where the step fails.
-    fn response(&mut self) -> &RootResponse {
-        let base = self.base_at(0.0);
-        let Self { response: Some(response), wing: Some(wing), loads, .. } = self else { return &UNKNOWN };
-        if response.is_stale {
-            wing.base_motion = base;
-            wing.loads.copy_from(loads);
-            response.found = wing.root_response(response.step).unwrap_or(UNKNOWN);
-            response.is_stale = false;
-        }
-        &response.found
-    }
-
     /// Compute what several outputs read, or what a step may fail to give.
     fn copy_to_outputs(&mut self) -> Result<(), Error> {
         let wing = self.wing.as_mut().expect(BUILT);
@@ -219,14 +183,30 @@ impl WingUnit {
     }
 }
 
+impl Carried for WingUnit {
+    fn announced(&mut self) -> Option<&mut Announced> {
+        self.announced.as_mut()
+    }
+
+    fn response(&mut self) -> &RootResponse {
+        let base = self.base_at(0.0);
+        let Self { announced: Some(announced), wing: Some(wing), loads, .. } = self else { return &adapter::UNKNOWN };
+        announced.or_find(|step| {
+            wing.base_motion = base;
+            wing.loads.copy_from(loads);
+            wing.root_response(step)
+        })
+    }
+}
+
 impl Model for WingUnit {
     const IDENTIFIER: &'static str = "fmu_wing";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    const RESOURCES: &'static [&'static str] = &["scene.json"];
+    const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
     type State = wing::WingState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        Self::new(Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?)
+        Self::new(adapter::scene_of(resources)?)
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -235,16 +215,11 @@ impl Model for WingUnit {
     }
 
     fn description(&self) -> Description {
-        Description {
-            model_name: format!("{}.{}", self.scene.name, self.name),
-            text: "Elastic wing of veins and a membrane, implicit in time".into(),
-            author: "The nervure developers".into(),
-            copyright: "Copyright (c) 2026 The nervure developers".into(),
-            license: env!("CARGO_PKG_LICENSE").into(),
-            stop: self.scene.time.end,
-            step: self.scene.time.communication_step,
-            ..Description::default()
-        }
+        adapter::description(
+            &self.scene,
+            format!("{}.{}", self.scene.name, self.name),
+            "Elastic wing of veins and a membrane, implicit in time",
+        )
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
@@ -263,12 +238,7 @@ impl Model for WingUnit {
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
-        if let Some(Announced { step, .. }) = self.response
-            && (h - step).abs() > ROUNDING * h
-        {
-            return Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"));
-        }
-        self.mark_stale();
+        self.begin_step(h)?;
         let base = self.base_at(t + h);
         let wing = self.wing.as_mut().expect(BUILT);
         wing.base_motion = base;
@@ -300,7 +270,4 @@ impl Model for WingUnit {
     }
 }
 
-fmi_export::export_fmu!(WingUnit);
-fmi_export::export_text!(fmu_scene_check = scene::check_text);
-fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
-fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);
+adapter::export_unit!(WingUnit);

@@ -2,6 +2,7 @@
 
 use std::slice::{from_mut, from_ref};
 
+use adapter::{Carried, along_axes};
 use wing::Membrane;
 
 use crate::WingUnit;
@@ -9,8 +10,6 @@ use crate::WingUnit;
 type Real = fmi_export::Real<WingUnit>;
 type Integer = fmi_export::Integer<WingUnit>;
 type Variable = fmi_export::Variable<WingUnit>;
-
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Return the variables of a unit, without the variables of absent parts.
 pub fn list(unit: &WingUnit) -> Vec<Variable> {
@@ -22,15 +21,10 @@ pub fn list(unit: &WingUnit) -> Vec<Variable> {
     }
     // Outputs belong to the end of a step.
     list.extend(outputs(unit).into_iter().map(|output| output.depends_on(&[])));
-    if unit.response.is_some() {
-        list.extend(response());
+    if unit.announced.is_some() {
+        list.extend(adapter::response());
     }
     list
-}
-
-/// Return a variable for each axis, made from its number and name.
-fn along_axes(make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
-    AXES.iter().enumerate().map(move |(d, axis)| make(d, axis))
 }
 
 fn parameters(unit: &WingUnit) -> Vec<Variable> {
@@ -60,7 +54,7 @@ fn parameters(unit: &WingUnit) -> Vec<Variable> {
             Real::parameter("displaced_density", "kg/m2", text, |m| from_mut(&mut m.parameters.displaced_density));
         list.push(displaced.at_least(0.0));
     }
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", move |m| from_mut(&mut m.parameters.gravity[d]))
     }));
     list
@@ -69,7 +63,7 @@ fn parameters(unit: &WingUnit) -> Vec<Variable> {
 /// Return the loads on the nodes.
 fn inputs(unit: &WingUnit) -> Vec<Variable> {
     let nodes = unit.nodes();
-    let mut list: Vec<_> = along_axes(|d, axis| {
+    let mut list: Vec<_> = along_axes(3, |d, axis| {
         let text = "Load on the nodes at the end of the step";
         Real::input(format!("force_{axis}"), "N", text, move |m| {
             m.mark_stale();
@@ -90,40 +84,21 @@ fn inputs(unit: &WingUnit) -> Vec<Variable> {
 /// Return the motion of the base as inputs of a master that moves it.
 fn base_inputs() -> Vec<Variable> {
     let mut list = Vec::new();
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Position of the pivot at the end of the step";
         Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.base_mut().position[d]))
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Velocity of the pivot at the end of the step";
         Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.base_mut().velocity[d]))
     }));
     let text = "Rows of the matrix that turns the base from rest";
     list.push(Real::input("root.rotation", "1", text, |m| &mut m.base_mut().rotation).array(9));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Angular velocity of the base at the end of the step";
         Real::input(format!("root.omega_{axis}"), "rad/s", text, move |m| from_mut(&mut m.base_mut().omega[d]))
     }));
     list
-}
-
-/// Return what the wing announces to a body that carries it.
-fn response() -> Vec<Variable> {
-    vec![
-        Real::input("root.step", "s", "Length of the coming step", |m| {
-            m.mark_stale();
-            m.response.as_mut().map_or(&mut [], |response| from_mut(&mut response.step))
-        })
-        .above(0.0),
-        Real::output("root.reaction", "1", "Force, N, and moment, N m, on the body in the coming step", |m| {
-            &m.response().reaction
-        })
-        .array(6),
-        Real::output("root.impedance", "1", "Rows of the rate at which they fall with the root's velocities", |m| {
-            m.response().impedance.as_flattened()
-        })
-        .array(36),
-    ]
 }
 
 /// Return the motion of the nodes, the exchange with loads and base, the energies and the effort of the last step.
@@ -133,25 +108,25 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         Real::computed(name, of, text, move |m: &mut WingUnit| read(m))
     };
     let mut list = Vec::new();
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         Real::output(axis, "m", "Position of the nodes", move |m| m.wing().positions(d)).array(nodes)
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Velocity of the nodes";
         Real::output(format!("v{axis}"), "m/s", text, move |m| m.wing().velocities(d)).array(nodes)
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Displacement of the node farthest from the pivot";
         Real::computed(format!("tip.u{axis}"), "m", text, move |m| {
             m.wing().positions(d)[m.tip] - m.rest.mesh.nodes[m.tip][d]
         })
     }));
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Velocity of the node farthest from the pivot";
         Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing().velocities(d)[m.tip])
     }));
     if unit.own.root_motion.is_some() || unit.base.is_some() {
-        list.extend(along_axes(|d, axis| {
+        list.extend(along_axes(3, |d, axis| {
             let text = "Displacement of that node on a rigid wing";
             Real::computed(format!("rigid_tip.u{axis}"), "m", text, move |m| {
                 let (base, node) = (&m.wing().state().own, m.rest.mesh.nodes[m.tip]);
@@ -160,7 +135,7 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
             })
         }));
     }
-    list.extend(along_axes(|d, axis| {
+    list.extend(along_axes(3, |d, axis| {
         let text = "Sum of the loads on the nodes at the end of the step";
         Real::computed(format!("load.{axis}"), "N", text, move |m| m.wing().state().exchange.force[d])
     }));
@@ -171,11 +146,11 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         m.wing().state().exchange.work
     }));
     if unit.own.root.is_some() {
-        list.extend(along_axes(|d, axis| {
+        list.extend(along_axes(3, |d, axis| {
             let text = "Force of the base on the root";
             Real::computed(format!("root.force_{axis}"), "N", text, move |m| m.wing().state().drive.force[d])
         }));
-        list.extend(along_axes(|d, axis| {
+        list.extend(along_axes(3, |d, axis| {
             let (name, text) = (format!("root.moment_{axis}"), "Moment of the base about the pivot");
             Real::computed(name, "N.m", text, move |m| m.wing().state().drive.moment[d])
         }));

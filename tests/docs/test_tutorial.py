@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -13,14 +14,15 @@ import pytest
 import nervure
 from nervure.resources import ROOT
 from nervure.scene import validate
+from tests.conftest import nervure as nervure_here
 
 GUIDE = ROOT / "docs" / "guide"
 INSTALL = "make fsi3\nsource .venv/bin/activate\n"
 
 
 def follow(page, folder, end=None):
-    """Run every command of a page in an empty folder, with the `nervure` of the environment that runs the tests, and
-    return the JSON of the page; scenes end at `end` (s), or where the page lets them."""
+    """Run every command of a page in an empty folder, those of `nervure` in this process, and return the JSON of the
+    page; scenes end at `end` (s), or where the page lets them."""
     environment = os.environ | {"PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
     text = (GUIDE / page).read_text(encoding="utf-8")
     documents = [json.loads(block) for block in re.findall(r"```json\n(.*?)```", text, re.DOTALL)]
@@ -32,7 +34,11 @@ def follow(page, folder, end=None):
         short = re.sub("--end-time [0-9.]+", f"--end-time {end}", command) if end else command
         if end and re.match(r"nervure run \S+/", command):  # A scene that the page does not hold
             short += f" --end-time {end}"
-        done = subprocess.run(["bash", "-c", short], cwd=folder, env=environment, capture_output=True, text=True)
+        program, *arguments = shlex.split(short)
+        if program == "nervure":
+            done = nervure_here(*arguments, cwd=folder)
+        else:
+            done = subprocess.run(["bash", "-c", short], cwd=folder, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
         told = [line for line in done.stderr.splitlines() if "warning:" in line and "needs the package" not in line]
         known = re.findall(r"warned of: `([^`]+)`", text)
@@ -115,7 +121,7 @@ def test_a_line_means_the_same_to_bash_and_zsh(document, line, tmp_path):
 def test_the_python_of_a_document_has_right_types(document, tmp_path):
     """Every attribute exists, and no value that may be None is used as if it were there."""
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), re.DOTALL)
-    code = "\n".join(block for block in blocks if "rod.set(" not in block)  # An excerpt of scripts/fsi3.py
+    code = "\n".join(blocks)
     assert "nervure.run(" in code
     (tmp_path / "document.py").write_text(code, encoding="utf-8")
     options = ["--config-file", "pyproject.toml", "--ignore-missing-imports", tmp_path / "document.py"]

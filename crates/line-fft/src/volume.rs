@@ -104,11 +104,6 @@ impl<R: Real> Fft3<R> {
         [self.x.gains(), self.y.gains(), self.z.gains()]
     }
 
-    /// Return the part of a spectrum at x = 0.
-    pub fn first_plane<'a>(&self, spectrum: &'a [Pack<R>]) -> &'a [Pack<R>] {
-        &spectrum[..self.plane_len()]
-    }
-
     /// Return the number of packs in a plane of a spectrum.
     fn plane_len(&self) -> usize {
         self.kept.len() * self.shape[1]

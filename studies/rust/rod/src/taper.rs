@@ -13,7 +13,7 @@ use crate::{Table, row};
 
 /// Thickness at the tip by that at the root.
 const TIP: f64 = 0.2;
-/// Circular frequencies by the Ritz method (`tests/taper.rs` finds them anew).
+/// Circular frequencies by the Ritz method (`tests/all/taper.rs` finds them anew).
 const FREQUENCIES: [f64; 3] = [4.292_494_539, 15.742_700_171, 36.884_553_264];
 const LOAD: f64 = 1e-5;
 const DT: f64 = 1e-3;
