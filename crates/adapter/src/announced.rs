@@ -54,7 +54,10 @@ pub trait Carried: Model {
             Some(Announced { step, .. }) if (h - *step).abs() > ROUNDING * h => {
                 Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"))
             }
-            _ => Ok(self.mark_stale()),
+            _ => {
+                self.mark_stale();
+                Ok(())
+            }
         }
     }
 }
