@@ -100,8 +100,12 @@ def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
 
 
 def test_the_forces_of_a_wing_approach_those_of_a_stiff_one(tmp_path):
-    """The difference falls as the compliance, and is within 1 % where the wing bends little."""
+    """The difference falls as the compliance, and is within 1 % where the wing bends little; the forces of the stiffest
+    wing are those of a rigid body."""
     stiffest = wing_study.forces(wing_study.heaving(1e5, 32), "wing", tmp_path)
+    rigid = wing_study.forces(wing_study.rigid(wing_study.heaving(1e5, 32)), "body_1", tmp_path)
+    off, size = (float((forces**2).sum()) ** 0.5 for forces in (stiffest - rigid, rigid))
+    assert off < 0.01 * size, f"{off} N beside {size} N"
     found = {d: wing_study.differences(wing_study.heaving(d, 32), tmp_path, stiffest)["mean"] for d in (500.0, 5000.0)}
     assert found[5000.0] < 0.01, found
     assert found[500.0] / found[5000.0] == pytest.approx(10.0, abs=3.0), found

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nervure_fluid::{Error, Law, Mask, Motion, Pose, Precision, Shape, Solid, Triangulation, Turn};
+use nervure_fluid::{Error, Extent, Flexible, Law, Mask, Motion, Pose, Precision, Shape, Solid, Triangulation, Turn};
 
 type Body = nervure_fluid::Body<3>;
 type Fluid = nervure_fluid::Fluid<3>;
@@ -109,6 +109,48 @@ fn flapping() -> Body {
     let displacement = [Law::constant(0.0), sine(0.1), Law::constant(0.0)];
     let motion = Motion::laws(displacement, [0.0, 0.0, 2.0].into(), sine(0.6));
     Body { position: [0.0; 3], motion: Some(motion), ..still(plate(0.4, 0.5), about_z(0.0)) }
+}
+
+/// In a motion that heaves, turns and advances, force and moment of a wing's nodes are those of the rigid plate.
+#[test]
+fn a_flexible_surface_in_rigid_motion_has_the_force_of_the_rigid_plate() {
+    let (h, pivot) = (2e-3, [0.0; 3]);
+    let Triangulation(nodes, triangles) = plate(0.4, 0.5);
+    let mut by_laws = stream([0.5, 0.0, 0.0], 1e-2, 24);
+    let mut by_nodes = by_laws.clone();
+    let sine = |a: f64| Law::new(move |t: f64| (a * (OMEGA * t).sin(), a * OMEGA * (OMEGA * t).cos()));
+    let displacement = [Law::new(|t: f64| (-t, -1.0)), sine(0.1), Law::constant(0.0)];
+    let motion = Some(Motion::laws(displacement, [0.0, 0.0, 2.0].into(), sine(0.6)));
+    by_laws.bodies = vec![Body { position: pivot, motion, ..still(plate(0.4, 0.5), about_z(0.0)) }];
+    let extent = Extent::Surface(triangles);
+    by_nodes.flexible = vec![Flexible { name: "the wing".into(), nodes: nodes.clone(), extent, pivot: Some(pivot) }];
+    let (mut by_laws, mut by_nodes) = (made(&by_laws), made(&by_nodes));
+    let [mut off, mut size] = [[0.0; 2]; 2];
+    for step in 0..60 {
+        let t = h * f64::from(step + 1);
+        let (sin, cos) = (OMEGA * t).sin_cos();
+        let ((s, c), omega, place) = ((0.6 * sin).sin_cos(), 0.6 * OMEGA * cos, [-t, 0.1 * sin, 0.0]);
+        let stations = &mut by_nodes.stations_mut()[0];
+        for (k, [x, y, z]) in nodes.iter().enumerate() {
+            let arm = [c * x - s * y, s * x + c * y, *z];
+            let velocity = [-1.0 - omega * arm[1], 0.1 * OMEGA * cos + omega * arm[0], 0.0];
+            for axis in 0..3 {
+                stations.position[axis][k] = place[axis] + arm[axis];
+                stations.velocity[axis][k] = velocity[axis];
+            }
+        }
+        [&mut by_laws, &mut by_nodes].into_iter().for_each(|fluid| run(fluid, 1, h));
+        let (rigid, wing) = (by_laws.force_on_body(0), by_nodes.force_on_flexible(0));
+        // A body has moments about its moving pivot.
+        let moment = rigid.moment[2] + place[0] * rigid.force[1] - place[1] * rigid.force[0];
+        if step > 5 {
+            for (k, (a, b)) in [(rigid.force[1], wing.force[1]), (moment, wing.moment[2])].into_iter().enumerate() {
+                (off[k], size[k]) = (off[k] + (a - b).powi(2), size[k] + a * a);
+            }
+        }
+    }
+    let found: [f64; 2] = std::array::from_fn(|k| (off[k] / size[k]).sqrt());
+    assert!(found[0] < 0.01 && found[1] < 0.01, "force and moment are {found:?} off");
 }
 
 /// A plate that moves by laws takes the force of the same plate that the master moves.

@@ -28,6 +28,9 @@ pub struct Core<const D: usize, M> {
     pub force: Vec<Vector<D>>,
     /// Impedance of the loads, kg/s.
     pub impedance: Vec<f64>,
+    /// Normal of a surface times the root of what the impedance across it has beyond that along it, (kg/s)^½; of others
+    /// empty.
+    pub across: Vec<Vector<D>>,
     /// Equation of a stage.
     pub balance: Balance<D>,
     /// Positions in Newton's method, m.
@@ -67,6 +70,7 @@ impl<const D: usize, M: Clone> Core<D, M> {
             statistics: Statistics::default(),
             force: zeros.clone(),
             impedance: vec![0.0; nodes],
+            across: vec![],
             balance: Balance::at_rest(nodes),
             guess: rest.clone(),
             rest,
@@ -129,7 +133,9 @@ impl<const D: usize, M: Clone> Core<D, M> {
     /// Return the force of the impedance of node `k` against the velocity `v`, N.
     #[inline(always)]
     pub fn resistance(&self, k: usize, v: &Vector<D>) -> Vector<D> {
-        (v - self.before.velocities[k]) * self.impedance[k]
+        let change = v - self.before.velocities[k];
+        let across = self.across.get(k).map_or_else(Vector::zeros, |across| across * across.dot(&change));
+        change * self.impedance[k] + across
     }
 
     /// Predict a stage over `dt`, s: positions, v*, a* and the blended accelerations without displacement.
@@ -169,6 +175,8 @@ impl<const D: usize, M: Clone> Core<D, M> {
             self.balance.load[k] =
                 (force - v * c - resistance) * new_force + self.state.net_forces[k] * old_force - inertia;
         }
+        let root = (new_force * c_v).sqrt();
+        self.balance.across.iter_mut().zip(&self.across).for_each(|(own, across)| *own = across * root);
         (self.balance.mass, self.balance.elastic, self.balance.rate) = (new_mass * c_a, new_force, c_v);
     }
 

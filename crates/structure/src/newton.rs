@@ -24,6 +24,8 @@ pub struct Balance<const D: usize> {
     pub load: Vec<Vector<D>>,
     /// d, N/m: `[nodes]`; with lumped masses it contains w M.
     pub diagonal: Vec<f64>,
+    /// Vectors c of a surface, (N/m)^½: `[nodes]`, of others empty; d has the part c cᵀ beside `diagonal`.
+    pub across: Vec<Vector<D>>,
     /// w, 1/s².
     pub mass: f64,
     /// s.
@@ -75,7 +77,15 @@ impl<const D: usize> Balance<D> {
     /// Return the equation of an equilibrium of `nodes` nodes without loads.
     pub fn at_rest(nodes: usize) -> Self {
         let zeros = vec![Vector::zeros(); nodes];
-        Self { load: zeros.clone(), diagonal: vec![0.0; nodes], mass: 0.0, elastic: 1.0, rate: 0.0, velocity: zeros }
+        let (load, diagonal) = (zeros.clone(), vec![0.0; nodes]);
+        Self { load, diagonal, across: vec![], mass: 0.0, elastic: 1.0, rate: 0.0, velocity: zeros }
+    }
+
+    /// Return d times the displacement of node `k`, N.
+    #[inline(always)]
+    pub fn d_times(&self, k: usize, u: &Vector<D>) -> Vector<D> {
+        let across = self.across.get(k).map_or_else(Vector::zeros, |across| across * across.dot(u));
+        u * self.diagonal[k] + across
     }
 }
 

@@ -87,7 +87,7 @@ fn jacobian(arm: Vector<3>) -> [Freedoms; 3] {
 fn inertia<S: Mounted>(structure: &mut S) {
     structure.multiply_mass();
     let core = structure.core_mut();
-    for ((product, velocity), diagonal) in core.product.iter_mut().zip(&core.guess).zip(&core.balance.diagonal) {
-        *product = (*product + velocity * *diagonal) / core.balance.rate;
+    for (k, (product, velocity)) in core.product.iter_mut().zip(&core.guess).enumerate() {
+        *product = (*product + core.balance.d_times(k, velocity)) / core.balance.rate;
     }
 }

@@ -15,6 +15,7 @@ pub fn find_equilibrium<const D: usize, S: Structure<D>>(
     let core = structure.core_mut();
     core.statistics = Statistics::default();
     core.balance.diagonal.fill(0.0);
+    core.balance.across.fill(Vector::zeros());
     core.balance.velocity.fill(Vector::zeros());
     (core.balance.mass, core.balance.elastic, core.balance.rate) = (0.0, 1.0, 0.0);
     structure.find_elastic_forces()?;

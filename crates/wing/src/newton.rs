@@ -189,7 +189,7 @@ impl Newton {
             if system.unknowns[k].is_none() {
                 continue;
             }
-            let of_node = balance.load[k] - inertia[k] * balance.mass - moved[k] * balance.diagonal[k];
+            let of_node = balance.load[k] - inertia[k] * balance.mass - balance.d_times(k, &moved[k]);
             *r = of_node - *r * balance.elastic;
             measure.add(*r, of_node, balance.load[k]);
         }

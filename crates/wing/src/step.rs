@@ -56,6 +56,7 @@ impl Structure<3> for Wing {
 
     fn prepare(&mut self, base: &RigidMotion, duration: f64) -> Result<(), Error> {
         self.newton.forget();
+        self.slide(duration);
         self.energy_before = None;
         if self.has_no_drive(base) {
             let rest = &self.core.rest;
@@ -236,6 +237,25 @@ impl Wing {
     /// A step may fail to converge or fold the wing. After an error the state is the state before the step.
     pub fn step(&mut self, duration: f64) -> Result<(), Error> {
         structure::step(self, duration)
+    }
+
+    /// Let the fluid slide along the wing in a step of `duration`, s: the impedance acts across, and along it the layer,
+    /// which the mass of the membrane leaves out, keeps its inertia.
+    fn slide(&mut self, duration: f64) {
+        let Self { core, elastic, layers, .. } = self;
+        let Core { state, across, impedance, .. } = core;
+        across.fill(Vector::zeros());
+        for face in &elastic.faces {
+            let [a, b, c] = face.nodes.map(|k| state.positions[k]);
+            let normal = (b - a).cross(&(c - a));
+            face.nodes.iter().for_each(|&k| across[k] += normal);
+        }
+        for ((across, impedance), layer) in across.iter_mut().zip(impedance).zip(layers) {
+            // A vein beside the membrane, and a wing without a layer, have the same impedance in all directions.
+            let along = if *layer > 0.0 { (*layer / duration).min(*impedance) } else { *impedance };
+            *across *= (*impedance - along).sqrt() / across.norm().max(f64::MIN_POSITIVE);
+            *impedance = along;
+        }
     }
 
     /// Return whether the root is absent, or at rest in a step to the pose `base`.

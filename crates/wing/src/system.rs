@@ -48,6 +48,8 @@ pub(crate) struct System {
     pub(crate) rotations: Vec<Matrix3<f64>>,
     /// Number of unknown positions.
     pub(crate) positions: usize,
+    /// Places of the block of each node, row by row.
+    nodes: Vec<[u32; 9]>,
     faces: Vec<Places>,
     segments: Vec<Places>,
     vertices: Vec<Places>,
@@ -104,18 +106,17 @@ impl System {
         let matrix = Symmetric::new(order, pattern)?;
 
         let place = |i: usize, j: usize| matrix.place(i, j) as u32;
-        let mut blocks: Vec<Places> = triples()
-            .map(|nodes| {
-                PAIRS.map(|(j, k)| {
-                    let (Some(row), Some(column)) = (first(nodes[j]), first(nodes[k])) else { return [NOWHERE; 9] };
-                    // A diagonal block goes into the lower triangle once.
-                    std::array::from_fn(|i| match j == k && i / 3 < i % 3 {
-                        true => NOWHERE,
-                        false => place(row + i / 3, column + i % 3),
-                    })
-                })
+        let block = |row: Option<usize>, column: Option<usize>| {
+            let (Some(row), Some(column)) = (row, column) else { return [NOWHERE; 9] };
+            // A diagonal block goes into the lower triangle once.
+            std::array::from_fn(|i| match row == column && i / 3 < i % 3 {
+                true => NOWHERE,
+                false => place(row + i / 3, column + i % 3),
             })
-            .collect();
+        };
+        let mut blocks: Vec<Places> =
+            triples().map(|nodes| PAIRS.map(|(j, k)| block(first(nodes[j]), first(nodes[k])))).collect();
+        let nodes = unknowns.iter().map(|first| block(*first, *first)).collect();
         let vertices = blocks.split_off(elastic.faces.len() + elastic.segments.len());
         let segments = blocks.split_off(elastic.faces.len());
         let faces = elastic.faces.iter().enumerate().map(|(t, face)| {
@@ -144,6 +145,7 @@ impl System {
         Ok(Self {
             update: vec![0.0; order],
             rotations: vec![Matrix3::identity(); held.len()],
+            nodes,
             faces: blocks,
             matrix,
             unknowns,
@@ -168,9 +170,9 @@ impl System {
         let rates = elastic.rates(v);
         elastic.update(x, rates)?;
         self.rotations.fill(Matrix3::identity());
-        let &Balance { mass, ref diagonal, elastic: s, rate, .. } = balance;
+        let &Balance { mass, ref diagonal, ref across, elastic: s, rate, .. } = balance;
         let viscous = 1.0 + elastic.relaxation_time * rate;
-        let Self { matrix, faces, segments, vertices, turns, springs, unknowns, .. } = self;
+        let Self { matrix, nodes, faces, segments, vertices, turns, springs, unknowns, .. } = self;
         let values = &mut matrix.values;
         values.fill(0.0);
         for (t, (places, face)) in faces.iter().zip(&elastic.faces).enumerate() {
@@ -245,6 +247,7 @@ impl System {
                 values[place as usize] += s * viscous / compliance;
             }
         }
+        nodes.iter().zip(across).for_each(|(places, across)| scatter(values, places, &(across * across.transpose())));
         if diagonal.iter().any(|&weight| weight != 0.0) {
             for (first, weight) in unknowns.iter().zip(diagonal) {
                 if let Some(first) = *first {

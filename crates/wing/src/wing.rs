@@ -49,6 +49,8 @@ pub struct Wing {
     pub(crate) elastic: Elastic,
     /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
+    /// Mass of the layer of fluid at each node, kg: `[nodes]`.
+    pub(crate) layers: Vec<f64>,
     pub(crate) newton: Newton,
     crossings: Crossings,
     section: Option<Section>,
@@ -77,26 +79,32 @@ impl Wing {
         let (ones, mut product) = (vec![Vector::repeat(1.0); nodes], vec![Vector::zeros(); nodes]);
         elastic.mass_times(&ones, &mut product);
         let masses: Vec<_> = product.iter().map(|mass| mass.x).collect();
+        let mut layers = vec![0.0; nodes];
         for (t, face) in elastic.faces.iter_mut().enumerate() {
+            face.nodes.iter().for_each(|&k| layers[k] += face.area * parameters.displaced_density / 3.0);
             let own = parameters.membrane(t).areal_density;
             face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
         }
         let gravity = Vector::from(parameters.gravity);
+        let newton = Newton::new(system, &elastic, &rest, size);
+        let mut core = Core::new(
+            WingState::at_rest(rest, RigidMotion::rest()),
+            held,
+            masses.iter().map(|mass| gravity * *mass).collect(),
+            parameters.scheme,
+            parameters.max_step,
+        );
+        (core.across, core.balance.across) = (vec![Vector::zeros(); nodes], vec![Vector::zeros(); nodes]);
         Ok(Self {
             loads: Loads::default(),
             base_motion: None,
             crossings: Crossings::new(elastic.faces.len()),
             section: Section::new(&parameters.mesh, &parameters.root.nodes),
-            newton: Newton::new(system, &elastic, &rest, size),
+            newton,
             energy_before: None,
-            core: Core::new(
-                WingState::at_rest(rest, RigidMotion::rest()),
-                held,
-                masses.iter().map(|mass| gravity * *mass).collect(),
-                parameters.scheme,
-                parameters.max_step,
-            ),
+            core,
             masses,
+            layers,
             elastic,
             parameters,
         })

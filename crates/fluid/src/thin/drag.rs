@@ -15,8 +15,10 @@ pub struct MarkerDrag<const D: usize> {
     system: System<D>,
     /// Force on each marker over the density: m³/s² in two dimensions, m⁴/s² in space.
     pub force: Vec<Vector<D>>,
-    /// Decrease of that force if all markers become faster, m²/s or m³/s.
+    /// Decrease of that force, across where markers slip, if all become faster, m²/s or m³/s.
     pub slope: Vec<f64>,
+    /// Force on a flexible body at each marker over the density by the layer that slides along it, m³/s² or m⁴/s².
+    gliding: Vec<Vector<D>>,
     right_side: Vec<Vector<D>>,
     response: Vec<Vector<D>>,
 }
@@ -53,8 +55,8 @@ impl<const D: usize> MarkerDrag<D> {
     pub fn new(markers: Markers<D>) -> Self {
         let count = markers.len();
         let zeros = || vec![Vector::zeros(); count];
-        let (force, right_side, response) = (zeros(), zeros(), zeros());
-        Self { markers, system: System::new(count), force, slope: vec![0.0; count], right_side, response }
+        let [force, gliding, right_side, response] = [(); 4].map(|()| zeros());
+        Self { markers, system: System::new(count), force, slope: vec![0.0; count], gliding, right_side, response }
     }
 
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
@@ -65,6 +67,20 @@ impl<const D: usize> MarkerDrag<D> {
         self.markers.pass(first, &mut self.right_side);
         self.system.assemble(&self.markers, grid);
         self.system.solve(&self.right_side, &mut self.force)
+    }
+
+    /// Let the layers slide along the flexible bodies with the forces of the last solve.
+    pub fn glide(&mut self) {
+        for k in (0..self.markers.len()).filter(|k| self.markers.get(*k).may_bend()) {
+            let marker = self.markers.get(k);
+            let slip = marker.along * (self.markers.inverse_drag(k) * self.force[k]);
+            self.gliding[k] = self.markers.sliding(k, &slip) * marker.layer;
+        }
+    }
+
+    /// Return the force on a body at a marker over the density, with that of the layer which slides along it.
+    pub fn on_body(&self, k: usize) -> Vector<D> {
+        self.force[k] + self.gliding[k]
     }
 
     /// Write −∂f/∂U, the decrease of the forces on all markers with a motion of which `velocity` gives that of a marker,
@@ -109,16 +125,21 @@ impl<const D: usize> MarkerDrag<D> {
         };
         let mut found = self.solve(c_0, rate, first, grid);
         self.slope.fill(0.0);
-        let Self { system, slope, right_side, response, .. } = self;
+        let Self { markers, system, slope, right_side, response, .. } = self;
         for axis in 0..D {
             right_side.fill(Vector::from_fn(|own, _| if own == axis { 1.0 } else { 0.0 }));
             found &= system.solve(right_side, response);
-            slope.iter_mut().zip(&*response).for_each(|(slope, response)| *slope += response[axis] / D as f64);
+            for (k, (slope, response)) in slope.iter_mut().zip(&*response).enumerate() {
+                // The mean over the directions across the body, in which nothing slips.
+                let along = &markers.get(k).along;
+                *slope += (response[axis] - along.column(axis).dot(response)) / (D as f64 - along.trace());
+            }
         }
         if !found {
             slope.fill(f64::NAN);
         }
         // Where markers of two bodies or of a folded one crowd, the sum of a row may be negative; an impedance may not.
         self.slope.iter_mut().filter(|slope| **slope < 0.0).for_each(|slope| *slope = 0.0);
+        self.glide();
     }
 }

@@ -5,13 +5,20 @@ use std::ops::Range;
 use nalgebra::SMatrix;
 
 use super::slip::Slip;
+use super::system::inverse;
 use crate::grid::Grid;
 use crate::kernel::Kernel;
 use crate::space::Vector;
 
+/// Least square of the distance of neighbours in a direction along a body, by that in all, with which a matrix of them has
+/// an inverse.
+const LEAST_SQUARE: f64 = 1e-9;
+
 /// Markers with their grid points.
 pub struct Markers<const D: usize> {
     own: Vec<Marker<D>>,
+    /// Neighbours of all markers, marker by marker.
+    neighbours: Vec<usize>,
     /// Weights along each axis, marker by marker.
     along: Vec<f64>,
     /// Weights of the grid points of all markers, marker by marker, and the weights over C, s.
@@ -45,6 +52,8 @@ pub struct Marker<const D: usize> {
     pub along: SMatrix<f64, D, D>,
     /// Its slip.
     pub slip: Slip,
+    /// Its neighbours on a flexible surface, in `neighbours`.
+    beside: Range<usize>,
     /// First grid point along each axis, and the weights from there on.
     spans: [(usize, Range<usize>); D],
     /// Its grid points in `weights` and `places`.
@@ -55,6 +64,7 @@ impl<const D: usize> Default for Markers<D> {
     fn default() -> Self {
         Self {
             own: vec![],
+            neighbours: vec![],
             along: vec![],
             weights: vec![],
             weighed: vec![],
@@ -68,13 +78,53 @@ impl<const D: usize> Default for Markers<D> {
     }
 }
 
+impl<const D: usize> Marker<D> {
+    /// Return whether it is on a flexible surface.
+    pub fn may_bend(&self) -> bool {
+        !self.beside.is_empty()
+    }
+}
+
 impl<const D: usize> Markers<D> {
     /// Add a marker that stands for a length or area (m or m²) with a layer, m² or m³, that follows it within a time (s).
-    pub fn add(&mut self, measure: f64, layer: f64, c_eta: f64, slip: Slip) {
+    /// `neighbours` are those on the same flexible surface.
+    pub fn add(
+        &mut self,
+        measure: f64,
+        layer: f64,
+        c_eta: f64,
+        slip: Slip,
+        neighbours: impl IntoIterator<Item = usize>,
+    ) {
         let (zero, along, spans) = (Vector::zeros(), SMatrix::zeros(), std::array::from_fn(|_| (0, 0..0)));
         let kappa = layer / (measure * c_eta);
-        let (position, velocity) = (zero, zero);
-        self.own.push(Marker { position, velocity, measure, layer, kappa, along, slip, spans, points: 0..0 });
+        let (position, velocity, begin) = (zero, zero, self.neighbours.len());
+        self.neighbours.extend(neighbours);
+        let beside = begin..self.neighbours.len();
+        self.own.push(Marker { position, velocity, measure, layer, kappa, along, slip, beside, spans, points: 0..0 });
+    }
+
+    /// Return the acceleration across the body (m/s²) that fluid has beside the body's own because it slides along a marker
+    /// with a velocity, m/s: `2 ∂U + ∂T u_s` across, with the derivatives along `u_s`. Gradients are those of least squares
+    /// over the neighbours.
+    pub fn sliding(&self, k: usize, slip: &Vector<D>) -> Vector<D> {
+        let own = &self.own[k];
+        let others = || {
+            let neighbours = self.neighbours[own.beside.clone()].iter().map(|j| &self.own[*j]);
+            neighbours.map(|other| (other, own.along * (other.position - own.position)))
+        };
+        let mut squares: SMatrix<f64, D, D> = others().map(|(_, way)| way * way.transpose()).sum();
+        let size = squares.trace();
+        if size <= 0.0 {
+            return Vector::zeros();
+        }
+        squares += (SMatrix::identity() * (1.0 + LEAST_SQUARE) - own.along) * size;
+        let ahead = inverse(squares) * slip;
+        let changes = others().map(|(other, way)| {
+            ((other.velocity - own.velocity) * 2.0 + (other.along - own.along) * slip) * way.dot(&ahead)
+        });
+        let sum: Vector<D> = changes.sum();
+        sum - own.along * sum
     }
 
     /// Return the number of markers.

@@ -37,7 +37,7 @@ use markers::Markers;
 use parts::Parts;
 use rigid::{Responses, RigidNodes};
 use slip::Slip;
-use stress::{LineStress, Stress, Stresses, SurfaceStress};
+use stress::{LineStress, SurfaceStress};
 use surface::Facets;
 
 /// A thin body.
@@ -49,8 +49,8 @@ struct Thin<const D: usize> {
     facing: Facing,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
-    /// Stress on a flexible line in the plane or surface in space.
-    stress: Option<Stress>,
+    /// Stress on a line in the plane.
+    stress: Option<LineStress>,
 }
 
 /// What turns the markers of a body.
@@ -59,8 +59,8 @@ enum Facing {
     Line,
     /// Nothing: the body does not slip.
     Unknown,
-    /// The triangles of each.
-    Surface(Facets),
+    /// The triangles of each; a flexible one has stresses.
+    Surface(Facets, Option<SurfaceStress>),
 }
 
 /// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
@@ -83,57 +83,51 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one slips.
+    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one and a surface slip.
     fn new(
         number: usize,
         body: &Flexible<D>,
-        slips: bool,
+        is_rigid: bool,
         c_eta: f64,
         nu: f64,
         cell: f64,
         markers: &mut Markers<D>,
     ) -> Self {
         let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
-        let mut stress = None;
+        let (mut stress, mut around) = (None, vec![]);
         let (parts, facing, measures, edges, layer) = match &body.extent {
             Extent::Surface(triangles) => {
-                let surface::Patches { parts, facets, areas, edges } = surface::patches(
-                    &body.nodes_in_space(),
-                    triangles,
-                    if slips { slip::RIM } else { surface::RIM },
-                    cell,
-                    first,
-                );
-                let facing = if slips {
-                    Facing::Surface(facets)
-                } else {
-                    let own = SurfaceStress::new(body.nodes.len(), &parts, facets, areas.clone(), thickness);
-                    stress = Some(Stress::Surface(own));
-                    Facing::Unknown
-                };
-                (parts, facing, areas, edges, thickness)
+                let surface::Patches { parts, facets, areas, edges, around: beside } =
+                    surface::patches(&body.nodes_in_space(), triangles, cell, first);
+                let stress = (!is_rigid).then(|| {
+                    around = beside;
+                    SurfaceStress::new(body.nodes.len(), &parts, areas.clone(), thickness)
+                });
+                (parts, Facing::Surface(facets, stress), areas, edges, thickness)
             }
             extent => {
+                let slips = is_rigid && D == 2;
                 let free = if let Extent::Line { free } = extent { *free } else { [true; 2] };
                 let (parts, edges, length) = Parts::of_line(
                     &body.nodes,
                     free,
-                    if slips && D == 2 { slip::DRAWN_IN } else { Kernel::of(D).drawn_in },
+                    if slips { slip::DRAWN_IN } else { Kernel::of(D).drawn_in },
                     cell,
                     first,
                 );
                 let measures = vec![length / parts.len() as f64; parts.len()];
                 if D == 2 {
-                    stress = Some(Stress::Line(LineStress::new(&body.nodes, &parts, length, thickness)));
+                    stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
                 }
                 let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
-                (parts, if slips && D == 2 { Facing::Line } else { Facing::Unknown }, measures, edges, layer)
+                (parts, if slips { Facing::Line } else { Facing::Unknown }, measures, edges, layer)
             }
         };
-        for (measure, edge) in measures.iter().zip(edges) {
+        around.resize(measures.len(), vec![]);
+        for ((measure, edge), beside) in measures.iter().zip(edges).zip::<Vec<Vec<usize>>>(around) {
             let slip =
                 if let Facing::Unknown = facing { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
-            markers.add(*measure, layer * measure, c_eta, slip);
+            markers.add(*measure, layer * measure, c_eta, slip, beside.into_iter().map(|k| first + k));
         }
         Self { number, parts, facing, pivot: body.pivot, stress }
     }
@@ -155,7 +149,7 @@ where
                     let end = |k: usize| Vector::from(nodes.position.each_ref().map(|of| of[k]));
                     end(nodes.len() - 1) - end(0)
                 }
-                Facing::Surface(facets) => facets.normal(k - own.start, &nodes.position),
+                Facing::Surface(facets, _) => facets.normal(k - own.start, &nodes.position),
             };
             let length = normal_or_tangent.iter().fold(0.0_f64, |length, part| length.hypot(*part));
             let axis = normal_or_tangent / length.max(f64::MIN_POSITIVE);
@@ -185,16 +179,40 @@ where
         Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
     }
 
-    /// Return the force of the layer that slips along a turning body: its Coriolis acceleration across the body, which the
-    /// fluid at a body of no thickness has not.
+    /// Return the inertia of the layer of a flexible surface whose nodes were at `before`: across it, with moments about a
+    /// point (m), and along it, where the fluid slides but the mass of the body leaves the layer out, with its power, W.
+    /// `rate` is the density over the step, kg/(m³ s).
+    fn inertia(
+        &self,
+        about: &Vector<D>,
+        before: &Stations<D>,
+        markers: &Markers<D>,
+        rate: f64,
+    ) -> (Force<D>, Vector<D>, f64) {
+        let (mut across, mut along, mut power) = (Force::default(), Vector::zeros(), 0.0);
+        for (k, velocity) in self.parts.means(&before.velocity) {
+            let marker = markers.get(k);
+            let whole = (marker.velocity - velocity) * (marker.layer * rate);
+            let part = marker.along * whole;
+            across.add(&(whole - part), &(marker.position - about));
+            along += part;
+            power += part.dot(&marker.velocity);
+        }
+        (across, along, power)
+    }
+
+    /// Return the force of the layer that slips along a turning body, which the fluid at a body of no thickness has not: the
+    /// part across of its acceleration and of that of Coriolis, less the rate of the momentum across.
     fn gliding(&self, body: &RigidNodes<D>, drag: &MarkerDrag<D>, density: f64) -> Force<D> {
         let mut sum = Force::default();
         for k in self.parts.markers() {
             let marker = drag.markers.get(k);
-            let slip = marker.along * (drag.markers.inverse_drag(k) * drag.force[k]);
-            let acceleration = <[f64; D]>::swing(body.spin, &slip) * 2.0;
-            let force = (acceleration - marker.along * acceleration) * (density * marker.layer);
-            sum.add(&force, &(marker.position - body.pivot));
+            let (layer, along, velocity) = (density * marker.layer, marker.along, marker.velocity);
+            let slip = along * (drag.markers.inverse_drag(k) * drag.force[k]);
+            let (across, swing) = (velocity - along * velocity, |of: &Vector<D>| <[f64; D]>::swing(body.spin, of));
+            let turning = swing(&(slip * 2.0 + velocity));
+            sum.add(&((turning - along * turning - swing(&across)) * layer), &(marker.position - body.pivot));
+            sum.moment = sum.moment - <[f64; D]>::cross(&velocity, &across) * layer;
         }
         sum
     }
@@ -204,7 +222,7 @@ where
         let (mut sum, mut power) = (Force::default(), 0.0);
         for k in self.parts.markers() {
             let marker = drag.markers.get(k);
-            let force = drag.force[k] * density;
+            let force = drag.on_body(k) * density;
             sum.add(&force, &(marker.position - about));
             power += force.dot(&marker.velocity);
         }
@@ -222,8 +240,8 @@ where
         let (c_eta, cell) = (parameters.mask.c_eta(), grid.cell_size());
         let (mut bodies, mut flexible, mut rigid) = (Vec::new(), Vec::new(), Vec::new());
         for (number, body) in parameters.thin() {
-            let (slips, nu) = (number < rigid_bodies, parameters.kinematic_viscosity);
-            bodies.push(Thin::new(number, &body, slips, c_eta, nu, cell, &mut markers));
+            let (is_rigid, nu) = (number < rigid_bodies, parameters.kinematic_viscosity);
+            bodies.push(Thin::new(number, &body, is_rigid, c_eta, nu, cell, &mut markers));
             match number.checked_sub(rigid_bodies) {
                 Some(number) => flexible.push(number),
                 None => rigid.push(RigidNodes::new(&body.nodes, &parameters.bodies[number])),
@@ -293,6 +311,7 @@ where
         let first = |point: usize| first(point, std::array::from_fn(|axis| w[axis][point].to_f64()));
         let found = self.drag.solve(c[0], bodies.rate(), first, grid) && self.solve_springs(c, carried, bodies);
         if found {
+            self.drag.glide();
             self.drag.spread(w, grid);
         }
         found
@@ -349,7 +368,7 @@ where
         add(&dragged.points, &mut dragged.sums);
         drag.predict(c_0, rate, right_side, dragged, grid);
         for (thin, number) in self.bodies.iter().zip(&self.flexible) {
-            thin.parts.collect(&drag.force, &drag.slope, self.density, &mut loads[*number]);
+            thin.parts.collect(|k| drag.on_body(k), &drag.slope, self.density, &mut loads[*number]);
         }
     }
 
@@ -382,15 +401,23 @@ where
         &self,
         dt: f64,
         stations: &[Stations<D>],
+        before: &[Stations<D>],
         forces: &mut [BodyForce<D>],
         exchange: &mut [Exchange<D>],
     ) {
         let markers = &self.drag.markers;
         for (thin, number) in self.with_nodes(stations) {
             let (centre, own) = (thin.centre(&stations[number]), &mut exchange[number]);
-            let (force, power) = thin.force(&centre[0], &self.drag, self.density);
-            *own = Exchange { force: force.force.into(), power, work: own.work + power * dt };
-            forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
+            let (force, mut power) = thin.force(&centre[0], &self.drag, self.density);
+            let mut exchanged = force.force;
+            if let Facing::Surface(..) = thin.facing {
+                let (across, along, of_layer) = thin.inertia(&centre[0], &before[number], markers, self.density / dt);
+                (exchanged, power) = (exchanged - along, power - of_layer);
+                forces[thin.number].force = force.plus(&across);
+            } else {
+                forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
+            }
+            *own = Exchange { force: exchanged.into(), power, work: own.work + power * dt };
         }
         for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
             let (force, of_body) = (thin.force(&own.pivot, &self.drag, self.density).0, &mut forces[thin.number]);
@@ -414,10 +441,13 @@ where
         (jumps, shears): (&mut [Vec<f64>], &mut [Vec<Vec<f64>>]),
     ) {
         for (thin, number) in self.with_nodes(stations) {
-            let Some(stress) = &thin.stress else { continue };
-            let nodes = [&stations[number], &before[number]];
-            let own = Stresses { jump: &mut jumps[number], shear: &mut shears[number] };
-            stress.write(&thin.parts, &self.drag.force, self.density, dt, nodes, own);
+            let (force, nodes) = (|k| self.drag.on_body(k), [&stations[number], &before[number]]);
+            let (jump, shear) = (&mut jumps[number], &mut shears[number]);
+            if let Facing::Surface(facets, Some(stress)) = &thin.facing {
+                stress.write(&thin.parts, facets, force, self.density, dt, nodes, [jump], shear);
+            } else if let Some(stress) = &thin.stress {
+                stress.write(force, self.density, dt, nodes, [jump, &mut shear[0]]);
+            }
         }
     }
 }

@@ -98,7 +98,7 @@ impl Parts {
     }
 
     /// Return the number of each marker with the mean of what the nodes have.
-    fn means<const D: usize>(&self, of_nodes: &[Vec<f64>; D]) -> impl Iterator<Item = (usize, Vector<D>)> {
+    pub fn means<const D: usize>(&self, of_nodes: &[Vec<f64>; D]) -> impl Iterator<Item = (usize, Vector<D>)> {
         self.iter().map(move |(marker, shares)| {
             let mean = |of: &Vec<f64>| shares.iter().map(|&(node, share)| share * of[node]).sum::<f64>();
             (marker, Vector::from(of_nodes.each_ref().map(mean)))
@@ -106,13 +106,20 @@ impl Parts {
     }
 
     /// Write the forces on the markers and their slopes, both over the density (kg/m³), as loads on the nodes.
-    pub fn collect<const D: usize>(&self, force: &[Vector<D>], slope: &[f64], density: f64, loads: &mut Loads<D>) {
+    pub fn collect<const D: usize>(
+        &self,
+        force: impl Fn(usize) -> Vector<D>,
+        slope: &[f64],
+        density: f64,
+        loads: &mut Loads<D>,
+    ) {
         loads.force.iter_mut().for_each(|force| force.fill(0.0));
         loads.impedance.fill(0.0);
         for (marker, shares) in self.iter() {
+            let force = force(marker);
             for &(node, share) in shares {
                 let weight = density * share;
-                (0..D).for_each(|axis| loads.force[axis][node] += weight * force[marker][axis]);
+                (0..D).for_each(|axis| loads.force[axis][node] += weight * force[axis]);
                 loads.impedance[node] += weight * slope[marker];
             }
         }

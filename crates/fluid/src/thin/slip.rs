@@ -1,4 +1,4 @@
-//! The slip of markers along a rigid thin body.
+//! The slip of markers along a rigid thin body or a wing.
 //!
 //! A marker feels the mean velocity over two points of the kernel. In a shear flow along the body that is not the
 //! velocity at the surface but that plus `delta [∂u/∂n]/2`, with delta the mean distance of the two points. The jump of
@@ -19,10 +19,9 @@ const EDGE: f64 = 0.4;
 /// to 300 comes nearest to its forces on fine grids.
 const THINNING: f64 = 0.35;
 
-/// Lengths by which the free ends of a line and, as a rim, the edges of a surface are drawn in, cells. With them the forces
-/// on a plate in a stream change least with the grid.
+/// Length by which the free ends of a line are drawn in, cells. With it the forces on a plate in a stream change least with
+/// the grid.
 pub const DRAWN_IN: f64 = 0.43;
-pub const RIM: f64 = 0.5;
 
 /// Slip of a marker; the default has none.
 #[derive(Clone, Copy, Debug, Default)]

@@ -7,46 +7,8 @@ use super::surface::Facets;
 use crate::space::{Kinematics, Space, Vector};
 use crate::stations::Stations;
 
-/// Pressure jump and shear stress of a body at its stations, Pa.
-pub struct Stresses<'a> {
-    /// Pressure above less the pressure below the body, above being where normals point.
-    pub jump: &'a mut [f64],
-    /// Shear stress on both faces together, per component: of a line towards its tip, of a surface along each axis.
-    pub shear: &'a mut [Vec<f64>],
-}
-
-/// What makes stresses of the forces on the markers of a body.
-pub enum Stress {
-    /// A line in the plane.
-    Line(LineStress),
-    /// A surface in space.
-    Surface(SurfaceStress),
-}
-
-impl Stress {
-    /// Write the stresses in a step of `dt` seconds from the stations `before`, with the forces on the markers over the
-    /// `density` (kg/m³).
-    pub fn write<const D: usize>(
-        &self,
-        parts: &Parts,
-        force: &[Vector<D>],
-        density: f64,
-        dt: f64,
-        nodes: [&Stations<D>; 2],
-        stresses: Stresses,
-    ) where
-        [f64; D]: Space<D>,
-    {
-        match self {
-            Self::Line(line) => line.write(force, density, dt, nodes, [stresses.jump, &mut stresses.shear[0]]),
-            Self::Surface(surface) => surface.write(parts, force, density, dt, nodes, stresses),
-        }
-    }
-}
-
 /// The patches of a surface, over which the force on a marker counts as stress.
 pub struct SurfaceStress {
-    facets: Facets,
     /// Areas of the patches, m².
     areas: Vec<f64>,
     /// Area of the surface at each node, m².
@@ -58,39 +20,42 @@ pub struct SurfaceStress {
 impl SurfaceStress {
     /// The stress on a surface of some nodes in patches of some areas (m²), with the thickness of the layer that moves with
     /// it, m.
-    pub fn new(nodes: usize, parts: &Parts, facets: Facets, areas: Vec<f64>, layer: f64) -> Self {
+    pub fn new(nodes: usize, parts: &Parts, areas: Vec<f64>, layer: f64) -> Self {
         let mut covered = vec![0.0; nodes];
         for ((_, shares), area) in parts.iter().zip(&areas) {
             shares.iter().for_each(|&(node, share)| covered[node] += share * area);
         }
-        Self { facets, areas, covered, layer }
+        Self { areas, covered, layer }
     }
 
     /// Write the stresses; see [`LineStress::write`] for the layer.
-    fn write<const D: usize>(
+    pub fn write<const D: usize>(
         &self,
         parts: &Parts,
-        force: &[Vector<D>],
+        facets: &Facets,
+        force: impl Fn(usize) -> Vector<D>,
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
-        Stresses { jump, shear }: Stresses,
+        [jump]: [&mut Vec<f64>; 1],
+        shear: &mut [Vec<f64>],
     ) where
         [f64; D]: Space<D>,
     {
         jump.fill(0.0);
         shear.iter_mut().for_each(|along| along.fill(0.0));
         for (patch, ((k, shares), area)) in parts.iter().zip(&self.areas).enumerate() {
-            let normal = self.facets.normal(patch, &stations.position);
+            let normal = facets.normal(patch, &stations.position);
             let length = normal.iter().fold(0.0_f64, |length, part| length.hypot(*part));
             let normal = normal / length.max(f64::MIN_POSITIVE);
             let gain = |node: usize, axis: usize| stations.velocity[axis][node] - before.velocity[axis][node];
             let acceleration = Vector::<D>::from_fn(|axis, _| {
                 shares.iter().map(|&(node, share)| share * gain(node, axis)).sum::<f64>() / dt
             });
-            let stress = (force[k] + acceleration * (self.layer * area)) * density;
+            let stress = force(k) * density;
             let across = stress.dot(&normal);
             let along = stress - normal * across;
+            let across = across + acceleration.dot(&normal) * (self.layer * area * density);
             for &(node, share) in shares {
                 let weight = share / self.covered[node];
                 jump[node] -= weight * across;
@@ -128,7 +93,7 @@ impl LineStress {
     /// an end makes it alternate from marker to marker, so the shear is of means with the weights 1, 2, 1.
     pub fn write<const D: usize>(
         &self,
-        force: &[Vector<D>],
+        force: impl Fn(usize) -> Vector<D>,
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
@@ -153,7 +118,7 @@ impl LineStress {
         let Range { start, end } = self.parts.markers();
         for (k, shares) in self.parts.iter() {
             let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
-            let (own, mean) = (force[k], beside.iter().map(|k| force[*k]).sum::<Vector<D>>() * 0.25);
+            let (own, mean) = (force(k), beside.iter().map(|k| force(*k)).sum::<Vector<D>>() * 0.25);
             for &(point, share) in shares {
                 let (tangent, weight) = (tangent(point), density * share / self.covered[point]);
                 jump[point] += weight * across(&own, &tangent);

@@ -18,8 +18,12 @@ const SPACING_CELLS: f64 = 1.75;
 const GRAIN: f64 = 0.2;
 
 /// Width of the rim, cells, in which the weight of a grain in the centre of its patch falls to 0 at the edge. It draws
-/// the markers in, because the kernel reaches beyond them: with it a disk has its added mass.
-pub const RIM: f64 = 0.15;
+/// the markers in, because the kernel reaches beyond them. With it the forces on a plate in a stream change least with the
+/// grid.
+const RIM: f64 = 0.5;
+
+/// Distance of the centres of patches around one, by the size of a patch: beyond the six of a honeycomb, below the next.
+const AROUND: f64 = 1.5;
 
 /// Rounds in which each patch becomes what is nearest to its centre.
 const ROUNDS: usize = 40;
@@ -58,6 +62,8 @@ pub struct Patches {
     pub areas: Vec<f64>,
     /// Distances from the nearest free edge, of a closed surface the root of its area, m.
     pub edges: Vec<f64>,
+    /// Numbers of the patches around each.
+    pub around: Vec<Vec<usize>>,
 }
 
 /// Triangles of each patch, with their shares of its area.
@@ -82,14 +88,14 @@ impl Facets {
     }
 }
 
-/// Return the patches of a surface with a rim (cells) on cells of a size (m), the first one for the marker `first`.
-pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], rim: f64, cell: f64, first: usize) -> Patches {
+/// Return the patches of a surface on cells of a size (m), the first one for the marker `first`.
+pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: usize) -> Patches {
     let mut grains = grains(nodes, triangles, GRAIN * SPACING_CELLS * cell);
     let edges: Vec<_> = free_edges(triangles).into_iter().map(|ends| ends.map(|node| nodes[node])).collect();
     let whole = grains.iter().map(|grain| grain.area).sum::<f64>();
     let from_edge = |point: &[f64; 3]| edges.iter().map(|ends| from_line(point, ends)).fold(whole, f64::min).sqrt();
     for grain in &mut grains {
-        grain.weight = grain.area * (from_edge(&grain.middle) / (rim * cell)).min(1.0);
+        grain.weight = grain.area * (from_edge(&grain.middle) / (RIM * cell)).min(1.0);
     }
     let total = grains.iter().map(|grain| grain.area).sum::<f64>();
     let mut centres = spread_out(&grains, count(total, cell) as usize);
@@ -109,8 +115,13 @@ pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], rim: f64, cell: f64
     }
     let mut members = vec![Vec::new(); centres.len()];
     patches.iter().zip(&grains).for_each(|(patch, grain)| members[*patch].push(grain));
+    let mut own = members.iter().map(|members| !members.is_empty());
+    centres.retain(|_| own.next() == Some(true));
+    members.retain(|members| !members.is_empty());
+    let is_near = |a: usize, b: usize| a != b && square(&centres[a], &centres[b]) < (AROUND * spacing).powi(2);
+    let around = (0..centres.len()).map(|a| (0..centres.len()).filter(|b| is_near(a, *b)).collect()).collect();
     let (mut parts, mut facets, mut areas, mut distances) = (Parts::new(first), Facets::default(), vec![], vec![]);
-    for (members, centre) in members.iter().zip(&centres).filter(|(members, _)| !members.is_empty()) {
+    for (members, centre) in members.iter().zip(&centres) {
         let weight = members.iter().map(|grain| grain.weight).sum::<f64>();
         let shares = members.iter().flat_map(|grain| grain.shares.map(|(node, share)| (node, share * grain.weight)));
         let mut shares: Vec<_> = shares.collect();
@@ -129,7 +140,7 @@ pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], rim: f64, cell: f64
         }));
         facets.patches.push(begin..facets.triangles.len());
     }
-    Patches { parts, facets, areas, edges: distances }
+    Patches { parts, facets, areas, edges: distances, around }
 }
 
 /// Divide each triangle into equal ones with sides of at most `size` (m).
@@ -263,7 +274,7 @@ mod tests {
     fn patches_cover_the_surface_and_markers_keep_their_distance() {
         for along in [2, 40] {
             let ((nodes, triangles), cell) = (rectangle(along), 1.0 / 24.0);
-            let Patches { parts, areas, .. } = patches(&nodes, &triangles, RIM, cell, 0);
+            let Patches { parts, areas, .. } = patches(&nodes, &triangles, cell, 0);
             assert!((areas.iter().sum::<f64>() - 0.5).abs() < 1e-12);
             let mean = areas.iter().sum::<f64>() / areas.len() as f64;
             let centre = |shares: &[(usize, f64)]| {
@@ -283,16 +294,16 @@ mod tests {
     #[test]
     fn loads_go_back_by_the_transpose() {
         let (nodes, triangles) = rectangle(7);
-        let Patches { parts, areas, .. } = patches(&nodes, &triangles, RIM, 0.05, 0);
+        let Patches { parts, areas, .. } = patches(&nodes, &triangles, 0.05, 0);
         let mut markers = Markers::<3>::default();
-        areas.iter().for_each(|area| markers.add(*area, *area, 1.0, Slip::default()));
+        areas.iter().for_each(|area| markers.add(*area, *area, 1.0, Slip::default(), []));
         let mut stations = Stations::at_rest(&nodes);
         let any = |k: usize, axis: usize| (1.7 * k as f64 + 0.3 * axis as f64).sin();
         (0..nodes.len()).for_each(|k| (0..3).for_each(|axis| stations.velocity[axis][k] = any(k, axis)));
         parts.place(&stations, &mut markers);
         let force: Vec<_> = (0..areas.len()).map(|k| Vector::<3>::from_fn(|axis, _| any(3 * k, axis))).collect();
         let mut loads = Loads::none(nodes.len());
-        parts.collect(&force, &vec![1.0; areas.len()], 2.0, &mut loads);
+        parts.collect(|k| force[k], &vec![1.0; areas.len()], 2.0, &mut loads);
         let on_nodes = (0..3).map(|axis| (0..nodes.len()).map(move |k| (axis, k)));
         let power: f64 = on_nodes.flatten().map(|(axis, k)| loads.force[axis][k] * stations.velocity[axis][k]).sum();
         let on_markers = |k: usize| force[k].dot(&markers.get(k).velocity);

@@ -127,7 +127,7 @@ impl<const D: usize> Matrix<D> {
 }
 
 /// Return the inverse of a symmetric, positive definite block.
-fn inverse<const D: usize>(mut block: Block<D>) -> Block<D> {
+pub fn inverse<const D: usize>(mut block: Block<D>) -> Block<D> {
     for p in 0..D {
         let inverse = 1.0 / block[(p, p)];
         block[(p, p)] = 1.0;
@@ -294,7 +294,7 @@ mod tests {
         let grid = Grid::new(cells.map(|cells| [0.0, cells as f64]), cells);
         let mut markers = Markers::default();
         for k in 0..60 {
-            markers.add(1.0, 1.0, 1.0, Slip::default());
+            markers.add(1.0, 1.0, 1.0, Slip::default(), []);
             let along = |axis: usize| 0.618 * f64::from(k * k + 1) * (1.0 + axis as f64).sqrt();
             markers.get_mut(k as usize).position = Vector::from_fn(|axis, _| along(axis) % cells[axis] as f64);
         }
@@ -324,7 +324,7 @@ mod tests {
         for (k, place) in places.iter().enumerate() {
             let angle = k as f64;
             let axis = Vector::from([angle.cos(), angle.sin()]);
-            markers.add(1.5, 1.5, 1e-5, Slip::new(0.1, 1.0, 3.0, 1.5));
+            markers.add(1.5, 1.5, 1e-5, Slip::new(0.1, 1.0, 3.0, 1.5), []);
             (markers.get_mut(k).position, markers.get_mut(k).along) = (Vector::from(*place), axis * axis.transpose());
         }
         markers.find_cells(&grid);
