@@ -96,7 +96,7 @@ def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
         guard = session.scheme.guards[0]
         session.run()
         assert guard.limits is not None
-        assert "the wing passes up to 1.2 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)
+        assert "the wing passes up to 1.1 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)
 
 
 def test_the_forces_of_a_wing_approach_those_of_a_stiff_one(tmp_path):

@@ -19,7 +19,8 @@ pub struct Loads {
     /// Impedance D of the nodal forces, kg/s, at least 0: `[nodes]`.
     ///
     /// A node that moves at the velocity v receives the force f − D (v − v_ref), where v_ref is its velocity at the
-    /// beginning of the step. Coupling with a fluid as dense as the rod is unstable at D = 0.
+    /// beginning of the step. Coupling with a fluid as dense as the rod is unstable at D = 0. On a wing with a layer of
+    /// displaced fluid D acts across the surface; along it, the mass of the layer over the step does, if D is larger.
     pub impedance: Vec<f64>,
     /// Mean pressure around the section, Pa: `[nodes]`.
     ///
