@@ -1,8 +1,9 @@
 """The Python interface: the functions of `nervure`, and the class of a run."""
 
+import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, nullcontext, suppress
 from functools import partial
 from numbers import Real as Number
 from pathlib import Path
@@ -240,8 +241,10 @@ def run(
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
     given = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
     for name, value in given.items():
-        if value is not None and not (isinstance(value, Number) and 0 <= value <= sys.float_info.max):
-            raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
+        with suppress(OverflowError):
+            if value is None or (isinstance(value, Number) and 0 <= float(value) < math.inf):
+                continue
+        raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
     options = {name: None if value is None else float(value) for name, value in given.items()}
     place = folder or Path("results") / scene.name
     with claimed(place), undone_on_error(place) as keep:
