@@ -444,7 +444,7 @@ where
             let (force, nodes) = (|k| self.drag.on_body(k), [&stations[number], &before[number]]);
             let (jump, shear) = (&mut jumps[number], &mut shears[number]);
             if let Facing::Surface(facets, Some(stress)) = &thin.facing {
-                stress.write(&thin.parts, facets, force, self.density, dt, nodes, [jump], shear);
+                stress.write((&thin.parts, facets), force, self.density, dt, nodes, (jump, shear));
             } else if let Some(stress) = &thin.stress {
                 stress.write(force, self.density, dt, nodes, [jump, &mut shear[0]]);
             }

@@ -31,14 +31,12 @@ impl SurfaceStress {
     /// Write the stresses; see [`LineStress::write`] for the layer.
     pub fn write<const D: usize>(
         &self,
-        parts: &Parts,
-        facets: &Facets,
+        (parts, facets): (&Parts, &Facets),
         force: impl Fn(usize) -> Vector<D>,
         density: f64,
         dt: f64,
         [stations, before]: [&Stations<D>; 2],
-        [jump]: [&mut Vec<f64>; 1],
-        shear: &mut [Vec<f64>],
+        (jump, shear): (&mut Vec<f64>, &mut [Vec<f64>]),
     ) where
         [f64; D]: Space<D>,
     {
