@@ -162,8 +162,8 @@ struct Impulse {
 }
 
 impl Film {
-    /// Return the film of a viscosity (Pa s) between balls, or circles in the plane, of which the sum of both curvatures is
-    /// 1/`radius`, 1/m, from a gap of `range` (m) on; `least` is the roughness, m. By lubrication theory
+    /// Return the film of a viscosity (Pa s) between balls, or circles in the plane, of which the sum of both curvatures
+    /// is 1/`radius`, 1/m, from a gap of `range` (m) on; `least` is the roughness, m. By lubrication theory
     /// c = 6 π η R² with p = 1, in the plane 3 √2 π η R^(3/2) with p = 3/2.
     pub fn between<const D: usize>(viscosity: f64, radius: f64, range: f64, least: f64) -> Self {
         let (coefficient, power) = match D {
@@ -173,7 +173,8 @@ impl Film {
         Self { coefficient, power, range, least }
     }
 
-    /// Return F with F' = h^−p, of p = 1 F = ln max(h, h_min) + min(h, h_min)/h_min, constant beyond the range, and where surfaces meet.
+    /// Return F with F' = h^−p, of p = 1 F = ln max(h, h_min) + min(h, h_min)/h_min, constant beyond the range and
+    /// where surfaces meet.
     fn impulse(&self, h: f64) -> Impulse {
         let Self { range, least, .. } = *self;
         // F is linear from a gap on, with a slope.

@@ -7,7 +7,8 @@
 //! U(g) penalty,      (1/Δt) [∫ Γ dg − Γ(g_0) g] damper and film,      μ N_0 |s| friction with the slip s.
 //! ```
 //!
-//! [`Obstacle`] has closest points, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies. All quantities are in SI units.
+//! [`Obstacle`] has closest points, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies.
+//! All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 

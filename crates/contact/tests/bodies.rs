@@ -218,7 +218,8 @@ impl Random {
     }
 }
 
-/// Let bodies fly in a closed box, where a step refuses what is deeper than half a thickness; return the largest energy over that at the start.
+/// Let bodies fly in a closed box, where a step refuses what is deeper than half a thickness; return the
+/// largest energy over that at the start.
 fn fly<const D: usize>(random: &mut Random, law: &BodyLaw) -> f64
 where
     [f64; D]: Solved<D>,
