@@ -52,7 +52,9 @@ def test_a_run_is_read_as_it_was(falling, tmp_path):
 def test_summary_is_written_with_all_its_keys(falling, tmp_path):
     summary = nervure.run(falling, tmp_path, quiet=True).summary
     written = json.loads((tmp_path / "summary.json").read_text())
-    assert written == summary.document() and [*written, "warnings", "wing", "wings", "rods", "verified"] == list(vars(summary))
+    assert written == summary.document() and [*written, "warnings", "wing", "wings", "rods", "verified"] == list(
+        vars(summary)
+    )
     assert written["coefficients"] is None and "reference" not in written["quantities"]["tip_uy"]
     assert written["series"]["tip_uy"] == "m"
 
