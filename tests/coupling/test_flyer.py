@@ -323,7 +323,7 @@ def test_a_flyer_whose_step_has_four_of_its_fluid_moves_as_with_four_steps(grids
 
 def test_a_flight_in_a_fluid_goes_on_from_a_saved_state_with_the_same_bits(tmp_path):
     scene = swimmer()
-    scene["fluid"]["time_stepping"]["max_cfl"] = 0.05
+    scene["fluid"]["time_stepping"]["max_cfl"] = 0.005
     with run(scene, tmp_path, 4) as session:
         scheme, units = session.scheme, session.units.values()
         kept, buffers = scheme.memory(), [(own.inputs.copy(), own.outputs.copy()) for own in units]

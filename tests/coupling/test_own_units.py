@@ -278,7 +278,7 @@ def test_modal_beam_refuses_what_it_does_not_know(still, own, part, change, reas
 
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_state_of_a_foreign_unit_comes_back_bit_by_bit(still, own, open_unit, kind):
-    path = own(kind, still(1001.0), True)
+    path = own(kind, carried(1.0) | {"this_wing": "left"} if kind == "wing" else still(1001.0), True)
     assert validate_fmu(str(path)) == []
     unit, other = open_unit(path, kind), open_unit(path, kind)
     names = {causality: [v.name for v in unit.variables.values() if v.causality == causality and v.size > 1]

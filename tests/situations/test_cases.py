@@ -7,7 +7,6 @@ and `test_foreign_units.py`.
 import copy
 import json
 import math
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -293,8 +292,8 @@ def light_rod(bench):
 
 
 def filament_gravity(bench):
-    """At a step of 5 ms the fluid divides what a filament under a thousand times its weight moves, and the exchange
-    fails; the step that the guard names holds."""
+    """At a step of 5 ms the fluid divides what a filament under a thousand times its weight moves. It holds, as units
+    exchange in each of its steps; with one exchange the guard stopped it."""
     scene = {
         "name": "filament",
         "time": clock(0.5, 5e-3),
@@ -304,11 +303,7 @@ def filament_gravity(bench):
         "coupling": {"guards": {"window_steps": 50}},
     }
     with Session(validate(scene)) as session:
-        said = session.run().error or ""
-    found = re.search(r"take a `time.communication_step` of (\S+) s: the beam passes up to (\S+) cells in a step", said)
-    assert found and 5e-4 < float(found[1]) <= 1.05 * 5e-3 * 0.4 / float(found[2]), said
-    with Session(validate(changed(scene, time__communication_step=float(found[1])))) as session:
-        assert session.run().error is None
+        assert session.run().error is None and session.recorder.series["iterations"].max() > 1
 
 
 def fluid_fold_nan(bench):

@@ -144,14 +144,12 @@ def test_a_resumed_run_has_the_bits_of_a_whole_one(run, tmp_path):
     assert [name for name in run.series if not np.array_equal(run.series[name], rest.series[name])] == []
 
 
-def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
+def test_a_wing_that_is_too_fast_for_the_step_exchanges_more_often(tmp_path):
     """The load holds for one step of the fluid, which divides a step in which the wing passes more than 0.4 cells."""
     laws = {"z": {"sine": {"amplitude": 1.0, "frequency": 0.5, "ramp": 0.5}}}
     with Session(validate(scene(root_motion=laws) | {"time": {"end": 1.0, "communication_step": STEP}})) as session:
-        guard = session.scheme.guards[0]
-        session.run()
-        assert guard.limits is not None
-        assert "the wing passes up to 1.1 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)
+        assert session.run().error is None and session.recorder.series["iterations"].max() > 1
+        assert not [text for text in session.warnings if "power" in text], session.warnings
 
 
 def test_the_forces_of_a_wing_approach_those_of_a_stiff_one(tmp_path):

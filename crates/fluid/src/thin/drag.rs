@@ -69,9 +69,11 @@ impl<const D: usize> MarkerDrag<D> {
         self.system.solve(&self.right_side, &mut self.force)
     }
 
-    /// Let the layers slide along the flexible bodies with the forces of the last solve.
+    /// Let the layers slide along the flexible bodies with the forces of the last solve, but not beside a mask, where these
+    /// forces have little to do with a layer.
     pub fn glide(&mut self) {
-        for k in (0..self.markers.len()).filter(|k| self.markers.get(*k).may_bend()) {
+        self.gliding.fill(Vector::zeros());
+        for k in (0..self.markers.len()).filter(|k| self.markers.glides(*k)) {
             let marker = self.markers.get(k);
             let slip = marker.along * (self.markers.inverse_drag(k) * self.force[k]);
             self.gliding[k] = self.markers.sliding(k, &slip) * marker.layer;

@@ -32,6 +32,8 @@ pub struct Markers<const D: usize> {
     /// The inverse of C (s) at each of `points`, and at all of them if it is the same.
     inverse: Vec<f64>,
     uniform: Option<f64>,
+    /// It where no mask is, s.
+    without_mask: f64,
     /// What is interpolated or spread, at each of `points`.
     at_points: Vec<Vector<D>>,
 }
@@ -73,15 +75,9 @@ impl<const D: usize> Default for Markers<D> {
             numbers: vec![],
             inverse: vec![],
             uniform: None,
+            without_mask: 0.0,
             at_points: vec![],
         }
-    }
-}
-
-impl<const D: usize> Marker<D> {
-    /// Return whether it is on a flexible surface.
-    pub fn may_bend(&self) -> bool {
-        !self.beside.is_empty()
     }
 }
 
@@ -176,11 +172,25 @@ impl<const D: usize> Markers<D> {
         &self.points
     }
 
+    /// Return whether a layer can slide along a marker: it is on a flexible surface, and no mask is at its grid points nor at
+    /// those of its neighbours.
+    pub fn glides(&self, k: usize) -> bool {
+        let free = |marker: &Marker<D>| {
+            let mut inverse = self.places[marker.points.clone()].iter().map(|place| self.inverse[*place as usize]);
+            inverse.all(|own| own == self.without_mask)
+        };
+        let own = &self.own[k];
+        let beside = &self.neighbours[own.beside.clone()];
+        !beside.is_empty()
+            && (self.uniform.is_some() || free(own) && beside.iter().all(|other| free(&self.own[*other])))
+    }
+
     /// Set the inverse of C (s), given at a grid point.
     pub fn weigh(&mut self, inverse: impl Fn(usize) -> f64) {
         self.inverse.clear();
         self.inverse.extend(self.points.iter().map(|point| inverse(*point)));
         self.uniform = self.inverse.first().copied().filter(|first| self.inverse.iter().all(|own| own == first));
+        self.without_mask = self.inverse.iter().copied().fold(0.0, f64::max);
         self.weighed.clear();
         let pairs = self.places.iter().zip(&self.weights);
         self.weighed.extend(pairs.map(|(place, weight)| weight * self.inverse[*place as usize]));
