@@ -288,13 +288,13 @@ fn axes_are_treated_alike_by_bodies() {
                     let [x, y, z] = back(stations.position.each_ref().map(|along| along[k]));
                     let velocity = place([0.3 - y, 0.8 * x - 0.4 * z, 0.2 + 0.5 * y]);
                     for (axis, velocity) in velocity.into_iter().enumerate() {
-                        stations.position[axis][k] += 0.01 * velocity;
+                        stations.position[axis][k] += 0.005 * velocity;
                         stations.velocity[axis][k] = velocity;
                     }
                 }
             }
             let t = fluid.time();
-            fluid.advance(t, 0.01).unwrap_or_else(|e| panic!("{e}"));
+            fluid.advance(t, 0.005).unwrap_or_else(|e| panic!("{e}"));
         }
         let mut all = vec![fluid.power_on_body(0), fluid.kinetic_energy(), fluid.enstrophy()];
         let forces = [fluid.force_on_body(0), fluid.force_on_flexible(0), fluid.force_on_flexible(1)];

@@ -573,7 +573,8 @@ fn a_box_follows_bodies_of_every_kind() {
     parameters.fine_box.iter_mut().for_each(|fine| fine.follows = Some(Followed::Flexible(0)));
     follows(&parameters, carry);
     let square = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[y, z]| [0.0, y, z]).to_vec();
-    let mut parameters = Parameters::<3>::new([[-3.0, 3.0]; 3], [36; 3], 1.0, 0.02, 0.02);
+    let mut parameters = Parameters::<3>::new([[-3.0, 3.0]; 3], [36; 3], 1.0, 0.02, 0.0125);
+    parameters.max_cfl = 1.0;
     parameters.flexible = vec![Flexible {
         name: "the wing".into(),
         nodes: square,
