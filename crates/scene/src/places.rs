@@ -52,7 +52,7 @@ fn line(scene: &Scene, own: &BeamWithRod) -> Line {
     if !beam.segments.is_multiple_of(stride) {
         nodes.extend(stations.last());
     }
-    let half_thickness = beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0;
+    let half_thickness = beam.largest_thickness() / 2.0;
     Line {
         key: format!("{}beam", own.key()),
         chain: Chain::uniform(nodes.clone(), half_thickness),

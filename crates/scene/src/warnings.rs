@@ -5,6 +5,7 @@ use std::iter;
 
 use geometry::{Shape, Surface, Touch, beyond};
 
+use crate::beam::Beam;
 use crate::body::{Body, BodyMotion};
 use crate::fluid::{Fluid, Obstacle};
 use crate::flyer::Flyer;
@@ -109,14 +110,15 @@ impl Moving<'_> {
 }
 
 fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
-    let part = |key: String, rest, moves: bool, rigid: &str, thickness| {
+    let part = |key: String, rest, moves: bool, rigid: &str, beam: Option<&Beam>| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
-        Part { key, name, rest, moves, deforms: false, thickness, is_mounted: false }
+        let (thickness, reach) = (beam.map_or(f64::INFINITY, Beam::largest_thickness), fluid.reach(&rest, beam));
+        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted: false }
     };
     let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
         part: Part {
             is_mounted: body.mount.is_some(),
-            ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", f64::INFINITY)
+            ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", None)
         },
         motion: Motion::Body(Box::new(body)),
     };
@@ -125,14 +127,14 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
             Some(RootMotion::Laws(laws)) => Some(laws),
             _ => None,
         };
-        let Line { key, nodes, chain, half_thickness, .. } = line;
-        let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", 2.0 * half_thickness);
+        let Line { key, nodes, chain, .. } = line;
+        let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", Some(own.beam));
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
     let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none()).map(|wing| {
         let (mesh, laws) = (wing.mesh.build(), wing.laws());
         let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
-        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", f64::INFINITY);
+        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", None);
         Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
     });
     fluid.obstacles().map(rigid).chain(beams).chain(wing).collect()
