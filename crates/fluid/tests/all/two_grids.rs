@@ -703,3 +703,17 @@ fn a_run_ends_in_the_rim_where_its_scene_warns_of_it() {
         }
     }
 }
+
+#[test]
+fn steps_are_short_enough_for_a_jet_outside_the_fine_box() {
+    let h = 0.1;
+    let mut parameters = cylinder(50.0, 8, Some(2), h);
+    (parameters.bodies, parameters.sponge, parameters.mean_flow) = (vec![], None, None);
+    let mut fluid = new(&parameters);
+    fluid.set_velocity(|[_, y]| [3.0 * (-((y.abs() - 3.25) / 0.2).powi(2)).exp(), 0.0]);
+    for _ in 0..3 {
+        advance(&mut fluid, 1, h);
+        let (found, allowed) = (fluid.cfl(), 0.25 * parameters.max_cfl..=parameters.max_cfl);
+        assert!(allowed.contains(&found), "a CFL number of {found} at {} s, allowed {allowed:?}", fluid.time());
+    }
+}
