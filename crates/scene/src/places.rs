@@ -181,6 +181,13 @@ pub(crate) fn shown(point: &[f64]) -> String {
     format!("[{}]", all.join(", "))
 }
 
+/// Return a number with three digits, and as a power of ten where it is long.
+pub(crate) fn three_digits(value: f64) -> String {
+    let short = format!("{:.2e}", value.min(f64::MAX));
+    let rounded: f64 = short.parse().unwrap_or(value);
+    if (1e-3..1e5).contains(&rounded) { rounded.to_string() } else { short }
+}
+
 /// Return a number with five digits behind its largest unit, without zeros at the end.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)

@@ -12,7 +12,7 @@ use crate::flyer::Flyer;
 use crate::law::TimeLaw;
 use crate::monitor::{Monitor, Part};
 use crate::mount::Freedom;
-use crate::places::{self, AXES, Line, rounded, shown};
+use crate::places::{self, AXES, Line, rounded, shown, three_digits};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
@@ -396,25 +396,26 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
 fn weight(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     let rod = own.rod?;
     let (_, direction) = scene.beam_root(own.beam);
-    let g = rod.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-    let along: f64 = rod.gravity.iter().zip(direction).map(|(g, d)| g * d).sum();
+    let g = rod.gravity.iter().fold(0.0_f64, |g, part| g.hypot(*part));
+    let along: f64 = rod.gravity.iter().zip(direction).map(|(part, d)| part / g.max(f64::MIN_POSITIVE) * d).sum();
     let section = rod.material.section(&own.beam.thickness, 0.0);
     let length = own.beam.length;
     let bending = section.line_density * length.powi(3) / section.bending_stiffness;
     let stretch = section.line_density * g * length / section.axial_stiffness;
     let held = matches!(rod.root, RootSupport::Clamped | RootSupport::TorsionSpring { .. });
-    let sinks = bending * (g * g - along * along).max(0.0).sqrt();
+    let sinks = bending * g * (1.0 - along * along).max(0.0).sqrt();
     let key = format!("{}rod.gravity", own.key());
     let effect = if stretch > STRETCH {
-        format!("its weight stretches it by {:.2} of its length", stretch)
+        format!("its weight stretches it by {} of its length", three_digits(stretch))
     } else if held && sinks > HEAVIEST {
-        format!("as a linear beam it would sink by {:.0} lengths", sinks / 8.0)
+        format!("as a linear beam it would sink by {} lengths", three_digits(sinks / 8.0))
     } else if scene.fluid.is_some() && bending * g > CHAIN {
-        format!("its weight is {:.1e} of its bending stiffness", bending * g)
+        format!("its weight is {} of its bending stiffness", three_digits(bending * g))
     } else {
         return None;
     };
     let name = own.name.map_or(String::new(), |name| format!(" `{name}`"));
-    let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {} m/s², {effect}", rounded(g));
+    let g = three_digits(g);
+    let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {g} m/s², {effect}");
     Some(Warning { key, time: None, text })
 }
