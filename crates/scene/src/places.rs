@@ -185,7 +185,7 @@ pub(crate) fn shown(point: &[f64]) -> String {
 pub(crate) fn three_digits(value: f64) -> String {
     let short = format!("{:.2e}", value.min(f64::MAX));
     let rounded: f64 = short.parse().unwrap_or(value);
-    if (1e-3..1e5).contains(&rounded) { rounded.to_string() } else { short }
+    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) { rounded.to_string() } else { short }
 }
 
 /// Return a number with five digits behind its largest unit, without zeros at the end.

@@ -7,6 +7,7 @@ use geometry::{Shape, Surface, Touch, beyond};
 
 use crate::beam::Beam;
 use crate::body::{Body, BodyMotion};
+use crate::contact_warnings;
 use crate::fluid::{Fluid, Obstacle};
 use crate::flyer::Flyer;
 use crate::law::TimeLaw;
@@ -68,6 +69,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
+    found.extend(scene.beams_with_rods().filter_map(|own| contact_warnings::of_rod(scene, &own)));
     found.extend(scene.wing.iter().flat_map(wing_checks::warnings));
     found
 }
