@@ -1,6 +1,6 @@
 //! Conversion of the contact of a scene to that of a rod.
 
-use rod::{Contact, Law, Obstacle, Pose};
+use rod::{Contact, Obstacle, Pose};
 use scene::{Beam, BeamWithRod, Body, Scene};
 
 /// Return what the rod touches: the solids of the scene, each as `place` makes it, then the walls.
@@ -13,14 +13,7 @@ pub fn of_rod<const D: usize>(
     let contact = scene.contact.as_ref()?;
     let own = BeamWithRod { number: None, name: None, beam, rod: Some(rod) };
     let radius: Vec<_> = beam.places().step_by(2).map(|s| 0.5 * beam.thickness.at(s)).collect();
-    let law = Law {
-        range: contact.range(scene, &own),
-        stiffness: contact.stiffness(scene, &own),
-        depth: radius.iter().copied().fold(f64::INFINITY, f64::min),
-        damping: contact.damping,
-        friction: contact.friction,
-        film: None,
-    };
+    let law = contact.law(scene, &own);
     let walls = scene.contact_walls().into_iter().map(|(point, normal)| {
         let [point, normal] = [point, normal].map(|vector| std::array::from_fn(|d| vector[d]));
         Obstacle::plane(point, normal)

@@ -9,6 +9,10 @@ const STEPS: f64 = 10.0;
 /// Slip in a step below which friction sticks, relative to the range of the contact: the friction then grows from 0.
 const STICK: f64 = 1e-4;
 
+/// Length of rod behind a root that is held near an obstacle, over the distance at which they touch, that does not
+/// touch it.
+pub const HELD: f64 = 1.5;
+
 /// Return the stiffness (N/m) with which a mass (kg) touches for at least ten steps of `dt` (s): π² m/(10 Δt)².
 pub fn largest_stiffness(mass: f64, dt: f64) -> f64 {
     mass * (PI / (STEPS * dt)).powi(2)

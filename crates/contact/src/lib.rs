@@ -19,5 +19,5 @@ mod obstacle;
 
 pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion};
 pub use cells::{Cells, MOST_PARTNERS};
-pub use law::{Before, Film, FilmPower, Friction, Law, Response, largest_stiffness};
+pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};

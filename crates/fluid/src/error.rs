@@ -18,13 +18,13 @@ pub enum Error {
     FineBox(String),
     /// A body in the rim of the fine box.
     #[error(
-        "a body is at {place:?} m at t = {time:.6e} s, in the rim of the fine box: it must stay {rim} coarse cells from \
-         its ends"
+        "a body drags the fluid at {place:.4?} m at t = {time:.6e} s, in the rim of the fine box: it must stay {rim} \
+         coarse cells from its ends"
     )]
     Rim {
         /// Time, s.
         time: f64,
-        /// A point of the body, m.
+        /// A point that the body drags, m.
         place: Vec<f64>,
         /// Width of the rim, coarse cells.
         rim: f64,

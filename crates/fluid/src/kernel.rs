@@ -5,6 +5,8 @@
 //! one less a 24th of its second derivative has the width of the quartic one, and a third of the noise of the cubic
 //! one. In space it would weigh 216 points for each marker in place of 64.
 
+use method::marker_reach;
+
 /// The kernel of a number of dimensions, and what was found by measurement for it.
 pub struct Kernel {
     /// Grid points on each side of a marker.
@@ -18,8 +20,8 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    const IN_PLANE: Self = Self { reach: 3, spacing: 1.75, drawn_in: 0.4 };
-    const IN_SPACE: Self = Self { reach: 2, spacing: 1.5, drawn_in: 0.4 };
+    const IN_PLANE: Self = Self { reach: marker_reach(2), spacing: 1.75, drawn_in: 0.4 };
+    const IN_SPACE: Self = Self { reach: marker_reach(3), spacing: 1.5, drawn_in: 0.4 };
 
     /// Return the kernel of a number of dimensions.
     pub const fn of(dimensions: usize) -> Self {

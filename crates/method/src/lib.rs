@@ -4,5 +4,5 @@
 mod fluid;
 mod rod;
 
-pub use fluid::{Filter, Mask, Precision, Support, Surface, TimeScheme, WallCorrection};
+pub use fluid::{Filter, Mask, Precision, Support, Surface, TAIL, TimeScheme, WallCorrection, marker_reach};
 pub use rod::{Axis, Bending, Calibration, Scheme, Section, Slide};

@@ -21,14 +21,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ::contact::{Before, Cells, Law, MOST_PARTNERS, Obstacle, Pose};
+use ::contact::{Before, Cells, HELD, Law, MOST_PARTNERS, Obstacle, Pose};
 use structure::{Matrix, Vector, finite, not_negative, positive};
 
 use crate::{Error, RodError};
-
-/// Length of rod behind a root that is held near an obstacle, over the distance at which they touch, that does not
-/// touch it.
-const HELD: f64 = 1.5;
 
 /// Distance up to which an equilibrium seeks strands, over that at which they touch.
 const STATIC_SEARCH: f64 = 3.0;

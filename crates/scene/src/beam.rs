@@ -56,6 +56,11 @@ pub enum Root {
 }
 
 impl Beam {
+    /// Return its largest thickness, m.
+    pub(crate) fn largest_thickness(&self) -> f64 {
+        self.places().map(|s| self.thickness.at(s)).fold(0.0, f64::max)
+    }
+
     /// Return the places of the stations and, between them, of the middles of the segments, 0 at the root and 1 at the
     /// tip: `[2 segments + 1]`.
     pub fn places(&self) -> impl Iterator<Item = f64> {

@@ -1,5 +1,6 @@
 //! What the rods and bodies of a scene touch, and what is wrong with its contact.
 
+use ::contact::Law;
 use method::Bending;
 
 use crate::body::Body;
@@ -41,6 +42,18 @@ impl Contact {
         let step = rod.max_step.unwrap_or(f64::INFINITY).min(scene.time.communication_step);
         self.stiffness.unwrap_or(lightest * (std::f64::consts::PI / (STEPS * step)).powi(2))
     }
+
+    /// Return the law per metre of a rod of this scene.
+    pub fn law(&self, scene: &Scene, own: &BeamWithRod) -> Law {
+        Law {
+            range: self.range(scene, own),
+            stiffness: self.stiffness(scene, own),
+            depth: own.beam.places().step_by(2).map(|s| 0.5 * own.beam.thickness.at(s)).fold(f64::INFINITY, f64::min),
+            damping: self.damping,
+            friction: self.friction,
+            film: None,
+        }
+    }
 }
 
 impl BeamWithRod<'_> {
@@ -55,10 +68,16 @@ impl BeamWithRod<'_> {
 impl Scene {
     /// Return the solids that rods touch: those of `contact`, and those of the fluid that are still or moved by laws.
     pub fn contact_bodies(&self) -> Vec<Body> {
-        let Some(contact) = &self.contact else { return Vec::new() };
-        let of_fluid = self.fluid.iter().flat_map(|fluid| fluid.obstacles()).map(|own| own.body);
-        let of_fluid = of_fluid.filter(|body| body.mount.is_none() && !body.is_driven());
-        contact.obstacles.iter().cloned().chain(of_fluid).collect()
+        self.contact_bodies_with_keys().map(|(_, body)| body).collect()
+    }
+
+    /// Return the same with their keys.
+    pub(crate) fn contact_bodies_with_keys(&self) -> impl Iterator<Item = (String, Body)> {
+        let own = self.contact.iter().flat_map(|contact| contact.obstacles.iter().cloned().enumerate());
+        let own = own.map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
+        let of_fluid = self.fluid.iter().filter(|_| self.contact.is_some()).flat_map(|fluid| fluid.obstacles());
+        let of_fluid = of_fluid.filter(|own| own.body.mount.is_none() && !own.body.is_driven());
+        own.chain(of_fluid.map(|own| (own.key, own.body)))
     }
 
     /// Return the walls that rods touch.

@@ -1,9 +1,10 @@
 //! The fluid: box, zones, cylinders and probes.
 
-use method::{Filter, Mask, Precision, TimeScheme};
+use method::{Filter, Mask, Precision, Surface, TimeScheme, marker_reach};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::beam::Beam;
 use crate::body::{Body, BodyDrive, BodyMotion};
 use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
@@ -358,6 +359,18 @@ impl Fluid {
     pub(crate) fn spacing(&self) -> Vec<f64> {
         let ratio = self.fine_box.as_ref().map_or(1, |fine| fine.ratio) as f64;
         self.r#box.spacing().into_iter().map(|cell| cell / ratio).collect()
+    }
+
+    /// Return how far beyond its shape at rest a part, which may be a beam, drags the fluid, m.
+    pub(crate) fn reach(&self, rest: &geometry::Shape, beam: Option<&Beam>) -> f64 {
+        let (spacing, is_thin) =
+            (self.spacing(), matches!(rest, geometry::Shape::Chain(_) | geometry::Shape::Surface(_)));
+        let cell = spacing.iter().copied().fold(0.0, f64::max);
+        if beam.map_or(is_thin, |beam| beam.surface == Surface::Line) {
+            marker_reach(spacing.len()) as f64 * cell - 0.5 * beam.map_or(0.0, Beam::largest_thickness)
+        } else {
+            self.mask.reach(self.kinematic_viscosity, cell)
+        }
     }
 
     /// Return the largest |u|/dx + |v|/dy + |w|/dz of initial velocity, inflow, mean flow and sponge, 1/s. Around

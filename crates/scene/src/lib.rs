@@ -12,6 +12,7 @@ mod body;
 mod conform;
 mod contact;
 mod contact_checks;
+mod contact_warnings;
 mod coupling;
 mod facts;
 mod fault;

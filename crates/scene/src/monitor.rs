@@ -7,6 +7,7 @@ use geometry::vector::{minus, norm};
 use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond, near_pairs};
 use serde::{Deserialize, Serialize};
 
+use crate::beam::Beam;
 use crate::fluid::Fluid;
 use crate::places::{AXES, blocked, rounded, shown, walls, zones};
 use crate::read::kept;
@@ -33,6 +34,8 @@ pub(crate) struct Part {
     pub deforms: bool,
     /// Largest thickness of a beam, m; infinite for others.
     pub thickness: f64,
+    /// How far beyond its shape it drags the fluid, m.
+    pub reach: f64,
     /// Whether it is on a mount, where the key `contact` acts on it.
     pub is_mounted: bool,
 }
@@ -170,10 +173,13 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, lacks_contact: bool, see: S
         });
     }
     if let Some(fine) = fluid.fine_box.as_ref().filter(|fine| fine.follow.is_none()) {
-        for (axis, ends) in fine.inner(&fluid.r#box).into_iter().enumerate() {
-            let over = out(axis, ends);
-            see(&format!("rim {}", AXES[axis]), [over, ROUNDING * (ends[1] - ends[0])], false, &|| {
-                format!("reaches {} m into the rim of `fine_box`, where a run ends,", rounded(over))
+        for (axis, [low, high]) in fine.inner(&fluid.r#box).into_iter().enumerate() {
+            // A run ends at the first point of the rim with drag.
+            let over = out(axis, [low + part.reach, high - part.reach]);
+            let ended = (over - cell[axis] * (1.0 - ROUNDING)).max(0.0);
+            see(&format!("rim {}", AXES[axis]), [ended, 0.0], false, &|| {
+                let [over, reach] = [over, part.reach].map(rounded);
+                format!("reaches {over} m into the rim of `fine_box` with the {reach} m of its drag, where a run ends,")
             });
         }
     }
@@ -251,11 +257,13 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     let (mut parts, mut now) = (Vec::new(), Vec::new());
     let mounted = fluid.iter().flat_map(|fluid| fluid.obstacles()).filter(|own| own.body.mount.is_some());
     let mounted: Vec<_> = mounted.map(|own| own.key).collect();
-    let mut add = |key: String, name: String, [rest, shape]: [Option<Shape>; 2], moves: bool, thickness: f64| {
-        if let (Some(rest), Some(shape)) = (rest, shape) {
+    let mut add = |key: String, name: String, shapes: [Option<Shape>; 2], moves: bool, beam: Option<&Beam>| {
+        if let [Some(rest), Some(shape)] = shapes {
             let is_mounted = mounted.contains(&key);
-            let deforms = key == "wing" || thickness.is_finite();
-            parts.push(Part { deforms, key, name, rest, moves, thickness, is_mounted });
+            let deforms = key == "wing" || beam.is_some();
+            let thickness = beam.map_or(f64::INFINITY, Beam::largest_thickness);
+            let reach = fluid.map_or(0.0, |fluid| fluid.reach(&rest, beam));
+            parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted });
             now.push(Some(shape));
         }
     };
@@ -269,7 +277,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
             }
             None => Some(body.shape_at(places.time, &ends)),
         };
-        add(own.key, own.name, [Some(rest), shape], pose.is_some(), f64::INFINITY);
+        add(own.key, own.name, [Some(rest), shape], pose.is_some(), None);
     }
     for (own, stations) in scene.beams_with_rods().zip(places.beams) {
         let stations_at = own.beam.places().step_by(2);
@@ -280,13 +288,13 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         let [rest, shape] = [Some(scene.beam_stations(own.beam)), stations]
             .map(|points| points.map(|points| Shape::Chain(Chain::new(points, &half))));
         let name = own.name.map_or("the rod".into(), |name| format!("the rod {name}"));
-        add(own.key() + "beam", name, [rest, shape], true, 2.0 * half.into_iter().fold(0.0, f64::max));
+        add(own.key() + "beam", name, [rest, shape], true, Some(own.beam));
     }
     if let Some(wing) = &scene.wing {
         let mesh = wing.mesh.build();
         let surface = |nodes| Shape::Surface(Surface::new(nodes, mesh.triangles.clone()));
         let nodes = places.wing.filter(|nodes| nodes.len() == mesh.nodes.len() && !mesh.triangles.is_empty());
-        add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, f64::INFINITY);
+        add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, None);
     }
     let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
     let (parts, has_contact) = (parts.iter().collect(), scene.contact.is_some());

@@ -52,7 +52,7 @@ fn line(scene: &Scene, own: &BeamWithRod) -> Line {
     if !beam.segments.is_multiple_of(stride) {
         nodes.extend(stations.last());
     }
-    let half_thickness = beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0;
+    let half_thickness = beam.largest_thickness() / 2.0;
     Line {
         key: format!("{}beam", own.key()),
         chain: Chain::uniform(nodes.clone(), half_thickness),
@@ -179,6 +179,13 @@ fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], shapes: &[Shape], faults:
 pub(crate) fn shown(point: &[f64]) -> String {
     let all: Vec<_> = point.iter().map(|at| rounded(*at).to_string()).collect();
     format!("[{}]", all.join(", "))
+}
+
+/// Return a number with three digits, and as a power of ten where it is long.
+pub(crate) fn three_digits(value: f64) -> String {
+    let short = format!("{:.2e}", value.min(f64::MAX));
+    let rounded: f64 = short.parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) { rounded.to_string() } else { short }
 }
 
 /// Return a number with five digits behind its largest unit, without zeros at the end.

@@ -5,13 +5,15 @@ use std::iter;
 
 use geometry::{Shape, Surface, Touch, beyond};
 
+use crate::beam::Beam;
 use crate::body::{Body, BodyMotion};
+use crate::contact_warnings;
 use crate::fluid::{Fluid, Obstacle};
 use crate::flyer::Flyer;
 use crate::law::TimeLaw;
 use crate::monitor::{Monitor, Part};
 use crate::mount::Freedom;
-use crate::places::{self, AXES, Line, rounded, shown};
+use crate::places::{self, AXES, Line, rounded, shown, three_digits};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
@@ -67,6 +69,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         found.extend(symmetry(scene, fluid, &parts, &start, reynolds));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
+    found.extend(scene.beams_with_rods().filter_map(|own| contact_warnings::of_rod(scene, &own)));
     found.extend(scene.wing.iter().flat_map(wing_checks::warnings));
     found
 }
@@ -109,14 +112,15 @@ impl Moving<'_> {
 }
 
 fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
-    let part = |key: String, rest, moves: bool, rigid: &str, thickness| {
+    let part = |key: String, rest, moves: bool, rigid: &str, beam: Option<&Beam>| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
-        Part { key, name, rest, moves, deforms: false, thickness, is_mounted: false }
+        let (thickness, reach) = (beam.map_or(f64::INFINITY, Beam::largest_thickness), fluid.reach(&rest, beam));
+        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted: false }
     };
     let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
         part: Part {
             is_mounted: body.mount.is_some(),
-            ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", f64::INFINITY)
+            ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", None)
         },
         motion: Motion::Body(Box::new(body)),
     };
@@ -125,14 +129,14 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
             Some(RootMotion::Laws(laws)) => Some(laws),
             _ => None,
         };
-        let Line { key, nodes, chain, half_thickness, .. } = line;
-        let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", 2.0 * half_thickness);
+        let Line { key, nodes, chain, .. } = line;
+        let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", Some(own.beam));
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
     let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none()).map(|wing| {
         let (mesh, laws) = (wing.mesh.build(), wing.laws());
         let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
-        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", f64::INFINITY);
+        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", None);
         Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
     });
     fluid.obstacles().map(rigid).chain(beams).chain(wing).collect()
@@ -394,25 +398,26 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
 fn weight(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     let rod = own.rod?;
     let (_, direction) = scene.beam_root(own.beam);
-    let g = rod.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
-    let along: f64 = rod.gravity.iter().zip(direction).map(|(g, d)| g * d).sum();
+    let g = rod.gravity.iter().fold(0.0_f64, |g, part| g.hypot(*part));
+    let along: f64 = rod.gravity.iter().zip(direction).map(|(part, d)| part / g.max(f64::MIN_POSITIVE) * d).sum();
     let section = rod.material.section(&own.beam.thickness, 0.0);
     let length = own.beam.length;
     let bending = section.line_density * length.powi(3) / section.bending_stiffness;
     let stretch = section.line_density * g * length / section.axial_stiffness;
     let held = matches!(rod.root, RootSupport::Clamped | RootSupport::TorsionSpring { .. });
-    let sinks = bending * (g * g - along * along).max(0.0).sqrt();
+    let sinks = bending * g * (1.0 - along * along).max(0.0).sqrt();
     let key = format!("{}rod.gravity", own.key());
     let effect = if stretch > STRETCH {
-        format!("its weight stretches it by {:.2} of its length", stretch)
+        format!("its weight stretches it by {} of its length", three_digits(stretch))
     } else if held && sinks > HEAVIEST {
-        format!("as a linear beam it would sink by {:.0} lengths", sinks / 8.0)
+        format!("as a linear beam it would sink by {} lengths", three_digits(sinks / 8.0))
     } else if scene.fluid.is_some() && bending * g > CHAIN {
-        format!("its weight is {:.1e} of its bending stiffness", bending * g)
+        format!("its weight is {} of its bending stiffness", three_digits(bending * g))
     } else {
         return None;
     };
     let name = own.name.map_or(String::new(), |name| format!(" `{name}`"));
-    let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {} m/s², {effect}", rounded(g));
+    let g = three_digits(g);
+    let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {g} m/s², {effect}");
     Some(Warning { key, time: None, text })
 }

@@ -302,6 +302,11 @@ where
         (0..D).map(|axis| largest(self.background.component(axis)) / spacing[axis]).sum()
     }
 
+    /// Return the advection rate on coarse cells, 1/s: outside the fine box the flow may be faster.
+    pub fn own_advection_rate(&self) -> f64 {
+        self.present.advection_rate
+    }
+
     /// Return the flow.
     pub fn flow(&self) -> &Flow<R, D> {
         &self.flow

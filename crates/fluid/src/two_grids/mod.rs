@@ -392,7 +392,7 @@ where
         if !is_slow {
             return step.check(advection_rate.max(step.limit() * (1.0 + f64::EPSILON)));
         }
-        let advection_rate = self.add_coarse(step.team);
+        let advection_rate = self.add_coarse(step.team).max(self.coarse.own_advection_rate());
         self.add_forces(&scheme, step.dt, flow, problem);
         self.coarse.link.ahead -= step.dt;
         self.fine.accept(step, &scheme, flow, present, problem, advection_rate);
@@ -481,7 +481,7 @@ where
         self.fine.start(&correction, flow, present, problem);
         // The flow that was started, and its w, are those of the correction.
         std::mem::swap(flow, self.fine.solved().1);
-        present.advection_rate = self.add_coarse(team);
+        present.advection_rate = self.add_coarse(team).max(self.coarse.own_advection_rate());
         std::mem::swap(flow, self.fine.solved().1);
     }
 

@@ -11,10 +11,6 @@ use super::calibration::calibrate;
 use super::growth::Growth;
 use super::target::{MIRROR_DEPTH, WallTarget};
 
-/// Distance from the surface in decay lengths beyond which the log-linear drag is neglected. In linear shear the
-/// neglected part would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
-const TAIL: f64 = 10.0;
-
 /// A drag profile on one grid, in one fluid.
 #[derive(Clone, Copy, Debug)]
 pub enum DragProfile {
@@ -55,16 +51,10 @@ impl DragProfile {
     /// Profile of a wall or a zone, with relaxation time `c_eta` (s), viscosity `nu` (m²/s) and cells of size `dx` (m).
     pub fn new(mask: &Mask, c_eta: f64, nu: f64, dx: f64) -> Self {
         let rate = 1.0 / c_eta;
-        let eps = (nu * c_eta).sqrt();
         match *mask {
-            Mask::Sharp { displacement_corrected, .. } => {
-                Self::Sharp { rate, offset: if displacement_corrected { eps } else { 0.0 } }
-            }
-            Mask::Cosine { half_width, displacement_corrected, .. } => {
-                let half_width = half_width * dx;
-                let displacement =
-                    if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
-                Self::Cosine { rate, half_width, shift: displacement }
+            Mask::Sharp { .. } => Self::Sharp { rate, offset: -mask.shift(c_eta, nu, dx) },
+            Mask::Cosine { half_width, .. } => {
+                Self::Cosine { rate, half_width: half_width * dx, shift: mask.shift(c_eta, nu, dx) }
             }
             Mask::LogLinear { decay_length_cells, .. } => {
                 let growth = Growth::wall(decay_length_cells);
@@ -134,30 +124,9 @@ impl DragProfile {
         match *self {
             Self::Sharp { offset, .. } => offset,
             Self::Cosine { half_width, shift, .. } => (half_width - shift).max(0.0),
-            Self::LogLinear { growth, cell, .. } => TAIL * growth.decay_length_cells * cell,
+            Self::LogLinear { growth, cell, .. } => method::TAIL * growth.decay_length_cells * cell,
         }
     }
-}
-
-/// Return the displacement of the no-slip wall by a cosine mask of half-width `h`, both in units of eps = √(ν C_eta),
-/// positive if the body is too thick: the zero of the solution of u″ = chi u that decays into the solid and is linear
-/// in the fluid (Hester, Vasil & Burns 2021).
-fn cosine_wall_displacement(h: f64) -> f64 {
-    const STEPS: usize = 4000;
-    let chi = |x: f64| 0.5 * (1.0 + (PI * (x + h) / (2.0 * h)).cos());
-    let dx = 2.0 * h / STEPS as f64;
-    // The Riccati form, r = u'/u, r' = chi - r², cannot overflow.
-    let slope = |x: f64, r: f64| chi(x) - r * r;
-    let mut r = 1.0;
-    for step in 0..STEPS {
-        let x = -h + step as f64 * dx;
-        let k1 = slope(x, r);
-        let k2 = slope(x + 0.5 * dx, r + 0.5 * dx * k1);
-        let k3 = slope(x + 0.5 * dx, r + 0.5 * dx * k2);
-        let k4 = slope(x + dx, r + dx * k3);
-        r += dx / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    }
-    h - 1.0 / r
 }
 
 #[cfg(test)]
@@ -165,15 +134,19 @@ mod tests {
     use super::*;
     use method::WallCorrection;
 
-    /// Values of the displacement against half-width, both in eps, computed independently from the same equation.
     #[test]
-    fn the_cosine_mask_is_displaced_as_published() {
-        let table = [(1.0, -0.841), (2.0, -0.466), (3.0, 0.027), (5.0, 1.207), (10.0, 4.680), (20.0, 12.5)];
-        for (h, expected) in table {
-            let shift = cosine_wall_displacement(h);
-            assert!((shift - expected).abs() < 6e-3_f64.max(4e-3 * h), "h = {h} eps: {shift} against {expected}");
+    fn masks_know_how_far_they_drag_the_fluid() {
+        let (nu, dx, c_eta) = (1e-3, 4e-3, 1e-3);
+        let cosine = |half_width, displacement_corrected| Mask::Cosine { c_eta, half_width, displacement_corrected };
+        let sharp = |displacement_corrected| Mask::Sharp { c_eta, displacement_corrected };
+        let masks = [sharp(true), sharp(false), cosine(0.2, true), cosine(2.0, true), cosine(2.0, false)];
+        for mask in masks.into_iter().chain([Mask::log_linear(c_eta)]) {
+            let (known, profile) = (mask.reach(nu, dx), DragProfile::of_body(6.0 * dx, true, &mask, nu, dx));
+            assert!((profile.reach() - known).abs() < 1e-15, "{mask:?}: {} beside {known} m", profile.reach());
+            let [inside, outside] = [-1e-3, 1e-3].map(|cells| profile.rate(known + cells * dx));
+            let is_tail = matches!(mask, Mask::LogLinear { .. });
+            assert!(inside > 0.0 && (is_tail || outside == 0.0), "{mask:?}: {inside} and {outside} 1/s");
         }
-        assert!(cosine_wall_displacement(2.9490).abs() < 1e-3, "{}", cosine_wall_displacement(2.9490));
     }
 
     /// Without correction the masks are those of the thesis: chi = 1 for d < 0, and 1/2 at d = 0 (eq. 4.1).

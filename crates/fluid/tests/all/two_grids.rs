@@ -670,3 +670,51 @@ fn another_fluid_continues_the_flow_on_both_grids() {
     coarser.fine_box.iter_mut().for_each(|fine| fine.cells = [24; 2]);
     assert!(new(&coarser).continue_from(&fluid).is_err(), "another grid is taken");
 }
+
+/// Drag reaches beyond a body, and is refused in the rim of the fine box. A scene of laws tells of it before the run.
+#[test]
+fn a_run_ends_in_the_rim_where_its_scene_warns_of_it() {
+    let shapes = [r#"{ "circle": { "radius": 0.15 } }"#, r#"{ "polyline": { "points": [[0, -0.1], [0.15, 0.1]] } }"#];
+    let masks = ["\"log_linear\": { \"c_eta\": 1e-3 }", "\"cosine\": { \"c_eta\": 1e-3, \"half_width\": 3.0 }"];
+    for (shape, mask) in shapes.into_iter().flat_map(|shape| masks.map(|mask| (shape, mask))) {
+        for way in [0.6, -0.6] {
+            let text = format!(
+                r#"{{ "name": "rim", "time": {{ "end": 2.0, "communication_step": 0.01 }}, "fluid": {{ "density": 1.0,
+                "kinematic_viscosity": 0.05, "box": {{ "x": [-1, 1], "y": [-1, 1], "cells": [32, 32] }},
+                "fine_box": {{ "x": [-0.75, 0.75], "y": [-0.75, 0.75] }}, "mask": {{ {mask} }},
+                "time_stepping": {{ "max_step": 0.01, "max_cfl": 0.4 }}, "mean_flow": {{}}, "bodies": [{{
+                "shape": {shape}, "position": [0, 0], "motion": {{ "x": {{ "sine": {{ "amplitude": {way}, "frequency": 0.1
+                }} }} }} }}] }} }}"#
+            );
+            let scene = scene::Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"));
+            let warnings = scene.facts().warnings;
+            let warned = warnings.iter().find(|own| own.text.contains("into the rim of `fine_box` with the"));
+            let warned = warned.and_then(|own| own.time).unwrap_or_else(|| panic!("{way}, {shape}: {warnings:?}"));
+            let mut fluid = new(&Parameters::<2>::try_from(&scene).unwrap_or_else(|e| panic!("{e}")));
+            let ended = loop {
+                match fluid.advance(fluid.time(), 0.01) {
+                    Ok(()) => assert!(fluid.time() < 2.0, "{way}, {shape}: no end, warned of at {warned} s"),
+                    Err(Error::Rim { time, .. }) => break time,
+                    Err(other) => panic!("{other}"),
+                }
+            };
+            let late = ended - warned;
+            // It passes a fine cell in 0.1 s; ends of lines are drawn in.
+            assert!((-0.002..0.1).contains(&late), "{way}, {shape}, {mask}: warned of {warned} s, ended {ended} s");
+        }
+    }
+}
+
+#[test]
+fn steps_are_short_enough_for_a_jet_outside_the_fine_box() {
+    let h = 0.1;
+    let mut parameters = cylinder(50.0, 8, Some(2), h);
+    (parameters.bodies, parameters.sponge, parameters.mean_flow) = (vec![], None, None);
+    let mut fluid = new(&parameters);
+    fluid.set_velocity(|[_, y]| [3.0 * (-((y.abs() - 3.25) / 0.2).powi(2)).exp(), 0.0]);
+    for _ in 0..3 {
+        advance(&mut fluid, 1, h);
+        let (found, allowed) = (fluid.cfl(), 0.25 * parameters.max_cfl..=parameters.max_cfl);
+        assert!(allowed.contains(&found), "a CFL number of {found} at {} s, allowed {allowed:?}", fluid.time());
+    }
+}

@@ -1,0 +1,73 @@
+//! Rods that start in contact, whose energy throws them.
+
+use geometry::vector::{between, dot, minus};
+
+use ::contact::HELD;
+
+use crate::places::three_digits;
+use crate::root::{RootMotion, RootSupport};
+use crate::scene::{BeamWithRod, Scene};
+use crate::warning::Warning;
+
+/// Most points at which the gap is looked at.
+const MOST_POINTS: f64 = 1e4;
+
+/// Return the warning about a rod that contact throws farther than its range at the start.
+pub(crate) fn of_rod(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
+    let (contact, rod) = (scene.contact.as_ref()?, own.rod?);
+    let (law, mut stations) = (contact.law(scene, own), scene.beam_stations(own.beam));
+    if let Some(RootMotion::Laws(laws)) = &rod.root_motion {
+        stations = stations.iter().copied().map(laws.motion(stations[0], 0.0)).collect();
+    }
+    let (last, length) = ((stations.len() - 1) as f64, own.beam.length);
+    // The points of contact of the rod.
+    let count = last * (length / last / (law.depth + law.range)).min(MOST_POINTS / last).ceil();
+    let shares: Vec<_> = (0..=count as usize).map(|i| i as f64 / count).collect();
+    let half = |share: f64| 0.5 * own.beam.thickness.at(share);
+    let place = |share: &f64| {
+        let station = ((share * last) as usize).min(stations.len() - 2);
+        between(stations[station], stations[station + 1], share * last - station as f64)
+    };
+    let places: Vec<_> = shares.iter().map(place).collect();
+    let part = |share: f64| if share == 0.0 || share == 1.0 { 0.5 * length / count } else { length / count };
+    let at_places = |name: String, distance: &dyn Fn([f64; 3]) -> f64| {
+        (name, places.iter().map(|place| distance(*place)).collect::<Vec<_>>())
+    };
+    let endless = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+    let bodies = scene.contact_bodies_with_keys().map(|(key, body)| {
+        let shape = body.shape_at(0.0, &endless);
+        at_places(format!("`{key}`"), &|place| shape.distance(place))
+    });
+    let walls = scene
+        .contact_walls()
+        .into_iter()
+        .map(|(point, normal)| at_places("a wall of the channel".into(), &|place| dot(minus(place, point), normal)));
+    let (near, is_held) = (half(0.0) + law.range, !matches!(rod.root, RootSupport::Free { .. }));
+    let (mut energy, mut closest) = (0.0, (f64::INFINITY, String::new()));
+    for (name, distances) in bodies.chain(walls) {
+        let free = if is_held && distances[0] < near { HELD * near } else { 0.0 };
+        for (share, distance) in shares.iter().zip(distances).filter(|(share, _)| *share * length >= free) {
+            let gap = distance - half(*share);
+            energy += part(*share) * law.penalty(gap).potential;
+            if gap < closest.0 {
+                closest = (gap, name.clone());
+            }
+        }
+    }
+    let mass_at = |share: &f64| part(*share) * rod.material.section(&own.beam.thickness, *share).line_density;
+    let mass: f64 = shares.iter().map(mass_at).sum();
+    let (weight, speed) =
+        (mass * rod.gravity.iter().fold(0.0_f64, |g, part| g.hypot(*part)), (2.0 * energy / mass).sqrt());
+    // A rod that rests on something has a third of that or less.
+    let is_thrown = energy > weight * law.range && speed * scene.time.end > law.range;
+    (is_thrown && energy.is_finite()).then(|| {
+        let name = own.name.map_or(String::new(), |name| format!(" `{name}`"));
+        let (unit, other) = (if scene.dimension(own.beam) == 2 { "J/m" } else { "J" }, closest.1);
+        let [gap, range, energy, speed] = [closest.0, law.range, energy, speed].map(three_digits);
+        let text = format!(
+            "the rod{name} starts in contact with {other}: its gap is {gap} m and `contact.range` {range} m, \
+             and {energy} {unit} throw it with up to {speed} m/s"
+        );
+        Warning { key: "contact.range".into(), time: None, text }
+    })
+}
