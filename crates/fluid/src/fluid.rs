@@ -233,8 +233,9 @@ where
 
     /// Find the part of contact in the present loads; flexible bodies begin without loads.
     fn find_announced_contact(&mut self) {
+        let dt = self.coming_step();
         if let Some(contact) = &mut self.rod_contact {
-            if self.present.step > 0.0 { contact.find(&self.present.flexible.stations) } else { contact.clear() }
+            if self.present.step > 0.0 { contact.find(&self.present.flexible.stations, dt) } else { contact.clear() }
         }
     }
 
@@ -248,15 +249,20 @@ where
         self.limits.longest_step(self.present.advection_rate, self.solver.longest_step(&self.problem))
     }
 
-    /// Write the loads of a coming step as long as the last one, or of that divided into equal steps where the flow needs
+    /// Return the length of the coming step, s: that of the last one, divided into equal steps where the flow needs
     /// shorter ones.
-    fn predict_loads(&mut self) {
+    fn coming_step(&self) -> f64 {
         let last = if self.present.step > 0.0 { self.present.step } else { self.limits.communication_step };
-        let dt = last / StepLimits::count(last, self.longest_step());
+        last / StepLimits::count(last, self.longest_step())
+    }
+
+    /// Write the loads of the coming step.
+    fn predict_loads(&mut self) {
+        let dt = self.coming_step();
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
         let flexible = &mut self.present.flexible;
         if let Some(contact) = self.rod_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
-            contact.find(&flexible.stations);
+            contact.find(&flexible.stations, dt);
             contact.add(&mut flexible.loads);
         }
     }

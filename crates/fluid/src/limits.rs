@@ -80,7 +80,9 @@ impl StepLimits {
 
     /// Return the longest step with an advection rate (1/s) and the longest one of explicit drag, s.
     pub fn longest_step(&self, advection_rate: f64, explicit: Option<f64>) -> f64 {
-        self.max_step.min(self.max_cfl / advection_rate).min(explicit.unwrap_or(f64::INFINITY))
+        let longest = self.max_step.min(self.max_cfl / advection_rate).min(explicit.unwrap_or(f64::INFINITY));
+        // A step that would have to be shorter is refused.
+        longest.max(self.shortest)
     }
 
     /// Return the number of equal steps of at most `longest` in `h` seconds.

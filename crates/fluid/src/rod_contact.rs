@@ -22,8 +22,6 @@ pub struct RodContact<const D: usize> {
     pairs: Vec<([usize; 2], Law)>,
     /// Its part of the announced loads of each flexible body.
     loads: Vec<Loads<D>>,
-    /// Communication step, s.
-    dt: f64,
 }
 
 /// A line.
@@ -68,17 +66,17 @@ where
         };
         let lines = skins.into_iter().map(line).collect();
         let loads = parameters.flexible.iter().map(|body| Loads::none(body.nodes.len())).collect();
-        (!pairs.is_empty()).then_some(Self { lines, pairs, loads, dt: parameters.communication_step })
+        (!pairs.is_empty()).then_some(Self { lines, pairs, loads })
     }
 
-    /// Find the contact at these stations for the coming step.
-    pub fn find(&mut self, stations: &[Stations<D>]) {
+    /// Find the contact at these stations for a coming step of `dt` seconds.
+    pub fn find(&mut self, stations: &[Stations<D>], dt: f64) {
         self.clear();
-        let Self { lines, pairs, loads, dt } = self;
+        let Self { lines, pairs, loads } = self;
         for ([i, j], law) in pairs {
             for [of, on] in [[*i, *j], [*j, *i]] {
                 let [of, on] = [of, on].map(|k| (&lines[k], &stations[lines[k].number]));
-                add_side(of, on, law, *dt, loads);
+                add_side(of, on, law, dt, loads);
             }
         }
     }

@@ -125,28 +125,35 @@ fn shapes_that_cannot_touch_are_refused_in_words() {
     }
 }
 
-/// Two lines of a light and a heavy rod, each of which moves along y as a whole under the loads that the fluid announces,
-/// like a rod of another maker: return the least distance, and the energy at the end by that at
-/// the start.
-fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
-    let (h, mass, radius, range) = (5e-3, 2.0, 0.02, 0.2);
-    let mut parameters = Parameters::new([[-1.0, 1.0], [-1.5, 1.5]], [20, 30], 1e-2, 1e-3, h);
+const STEP: f64 = 5e-3;
+const MASS: f64 = 2.0;
+
+/// Two lines of a light and a heavy rod at these heights (m), with contact of a stiffness if it is given.
+fn two_lines(heights: [f64; 2], contact: Option<f64>, ratio: f64, communication_step: f64) -> Parameters {
+    let mut parameters = Parameters::new([[-1.0, 1.0], [-1.5, 1.5]], [20, 30], 1e-2, 1e-3, communication_step);
     let line = |y: f64| Flexible {
         name: "a line".into(),
         nodes: (0..9).map(|k| [0.1 * f64::from(k) - 0.4, y]).collect(),
         extent: Extent::Line { free: [true; 2] },
         pivot: None,
     };
-    parameters.flexible = vec![line(0.3), line(-0.3)];
+    let skin = |mass: f64| Skin { radius: vec![0.02; 9], largest_stiffness: mass * (PI / (10.0 * STEP)).powi(2) };
+    parameters.flexible = heights.map(line).into();
     parameters.contact = contact.map(|stiffness| Contact {
-        law: BodyLaw { range, stiffness, damping: 0.0, friction: 0.0, film: None, dt: h },
+        law: BodyLaw { range: 0.2, stiffness, damping: 0.0, friction: 0.0, film: None, dt: STEP },
         obstacles: vec![],
         walls: [None; 2],
         rod_stiffness: stiffness,
-        skins: [mass, ratio * mass]
-            .map(|mass| Some(Skin { radius: vec![radius; 9], largest_stiffness: mass * (PI / (10.0 * h)).powi(2) }))
-            .into(),
+        skins: [MASS, ratio * MASS].map(|mass| Some(skin(mass))).into(),
     });
+    parameters
+}
+
+/// Let each of two lines move along y as a whole under the loads that the fluid announces, like a rod of another maker:
+/// return the least distance, and the energy at the end by that at the start.
+fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
+    let (h, mass) = (STEP, MASS);
+    let parameters = two_lines([0.3, -0.3], contact, ratio, h);
     let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
     let mut given = [0.0; 2];
     let (mut y, mut v, masses, mut least) = ([0.3, -0.3], [-1.0, 0.0], [0.8 * mass, 0.8 * ratio * mass], f64::INFINITY);
@@ -172,6 +179,20 @@ fn lines_that_meet(contact: Option<f64>, ratio: f64) -> [f64; 2] {
     }
     let energy = |v: [f64; 2]| (masses[0] * v[0] * v[0] + masses[1] * v[1] * v[1]) / masses[0];
     [least, energy(v)]
+}
+
+/// Its impedance grows with this step.
+#[test]
+fn the_contact_of_lines_is_that_of_a_coming_step_as_long_as_the_last() {
+    let [one, other] = [STEP, 2.0 * STEP].map(|communication_step| {
+        let mut fluid = Fluid::new(&two_lines([0.08, -0.08], Some(1e3), 1.0, communication_step)).expect("it is right");
+        fluid.advance(0.0, STEP).unwrap_or_else(|e| panic!("{e}"));
+        fluid.loads()[0].impedance.iter().sum::<f64>()
+    });
+    let mut free = Fluid::new(&two_lines([0.08, -0.08], None, 1.0, STEP)).expect("it is right");
+    free.advance(0.0, STEP).unwrap_or_else(|e| panic!("{e}"));
+    let without: f64 = free.loads()[0].impedance.iter().sum();
+    assert!((one - other).abs() < 1e-9 * one && one > 1.01 * without, "{one}, {other}, {without} kg/s without contact");
 }
 
 #[test]
