@@ -19,8 +19,10 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
+NAMES = runpy.run_path(str(Path(__file__).parent / "python" / "nervure" / "resources.py"))
+
 SHIPPED = ["scenes", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE"]
-SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "wing", "fluid") for name in ("model.png", "documentation.html")]
+SHIPPED += [f"fmu-{kind}/{name}" for kind in NAMES["KINDS"] for name in ("model.png", "documentation.html")]
 
 SHOWN = (".py", ".json", ".stl")  # Files of examples and scripts
 
@@ -70,12 +72,11 @@ def _write_types(root: Path) -> None:
 
 def _built(root: Path) -> dict[Path, str]:
     """Build the libraries for this system and return their places in the package."""
-    names = runpy.run_path(str(root / "python" / "nervure" / "resources.py"))
-    packages = [f"--package=nervure-fmu-{kind}" for kind in names["KINDS"]]
+    packages = [f"--package=nervure-fmu-{kind}" for kind in NAMES["KINDS"]]
     subprocess.run(["cargo", "build", "--release", "--locked", *packages], cwd=root, check=True)
     built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
-    files = [f"{names['PREFIX']}fmu_{kind}{names['SUFFIX']}" for kind in names["KINDS"]]
-    return {built / file: f"binaries/{names['PLATFORM']}/{file}" for file in files}
+    files = [f"{NAMES['PREFIX']}fmu_{kind}{NAMES['SUFFIX']}" for kind in NAMES["KINDS"]]
+    return {built / file: f"binaries/{NAMES['PLATFORM']}/{file}" for file in files}
 
 
 def _delivered(folder: Path, written: Path) -> tuple[dict[Path, str], str]:

@@ -60,12 +60,13 @@ def wheel(tmp_path_factory, targets):
     return build(targets, "linux64", tmp_path_factory.mktemp("wheel"))
 
 
-def test_it_has_the_examples_and_scripts(wheel):
+def test_it_has_the_examples_and_scripts_and_what_each_unit_packs(wheel):
     with zipfile.ZipFile(wheel) as archive:
-        found = {name.removeprefix("nervure/data/") for name in archive.namelist() if name.endswith(".py")}
+        found = {name.removeprefix("nervure/data/") for name in archive.namelist()}
     there = {
         path.relative_to(ROOT).as_posix() for name in ("examples", "scripts") for path in (ROOT / name).rglob("*.py")
     }
+    there |= {f"fmu-{kind}/{name}" for kind in KINDS for name in ("model.png", "documentation.html")}
     assert there <= found and "scripts/gallery/own_solver.py" in there
 
 
