@@ -237,10 +237,9 @@ class Driver:
         found: dict[str, float] = {}
         for name, value in given.items():
             if name not in self.places:
-                turn = "; at a hinge of a `flyer` it turns a wing, too" if self.has_wing and "root." in name else ""
-                raise CouplingError(
-                    f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {', '.join(self.places)}{turn}"
-                )
+                left = ", ".join(self.places)
+                more = "; at a hinge of a `flyer` it turns a wing, too" if self.has_wing and "root." in name else ""
+                raise CouplingError(f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {left}{more}")
             try:
                 found[name] = math.nan if isinstance(value, str) else float(value)
             except (TypeError, ValueError, OverflowError):
