@@ -136,6 +136,17 @@ where
         solver.advance(t, h)
     }
 
+    /// Return whether stations move in a step of `h` (s) that is longer than their announced loads hold, and which the
+    /// solver takes all the same.
+    pub fn outlives_loads(&self, h: f64) -> bool {
+        let solver = self.solver();
+        let moves = |own: &Stations<D>| own.velocity.iter().flatten().any(|velocity| *velocity != 0.0);
+        self.parameters.divides_loads
+            && solver.announces()
+            && h > solver.longest_step() * (1.0 + 1e-9)
+            && self.stations.iter().any(moves)
+    }
+
     /// Give the solver the displacements of the bodies that the master moves, and of the fine box.
     fn give_displacements(&mut self) {
         let solver = self.solver.as_mut().expect(BUILT);
