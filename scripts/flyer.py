@@ -1,13 +1,14 @@
 """Fly a body FMU with wing FMUs, in a fluid or without one, with fmpy alone, and write the way of the body.
 
     nervure build examples/hover-flyer.json --output units
-    python scripts/flyer.py units/hover-flyer- body.csv 0.001 5e-6 left right
+    python scripts/flyer.py units/hover-flyer- body.csv 0.001 left right
 
-One exchange a step: each wing announces what its root will bear, the body steps, the wings follow, then the fluid.
+An exchange: each wing announces what its root will bear, the body steps, the wings follow, then the fluid.
 """
 
 import argparse
 import csv
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,8 +16,7 @@ from pathlib import Path
 from fsi3 import Unit  # type: ignore[import-not-found]
 
 WAY = [*"xyz", "vx", "vy", "vz", "angle_x", "angle_y", "angle_z"]
-BORNE = re.compile(r"root\.(force|moment)_[xyz]")
-ANNOUNCED = re.compile(r"root\.(reaction|impedance)\[")
+BORNE, ANNOUNCED = re.compile(r"root\.(force|moment)_[xyz]"), re.compile(r"root\.(reaction|impedance)\[")
 
 
 def give(source: Unit, target: Unit, names: dict[str, str]) -> None:
@@ -40,9 +40,9 @@ class Carried:
         return {own.removeprefix(self.prefix): own for own in fluid.inputs if own.startswith(self.prefix)}
 
 
-def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float, h: float) -> Iterator[list[float]]:
-    """Time (s) and way of the body (m, m/s, rad), at t = 0 and after every communication step of `h` (s)."""
-    start, names = body.get([*"xyz"]), fluid.references if fluid else {}
+def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float) -> Iterator[list[float]]:
+    """Time (s) and way of the body (m, m/s, rad), at t = 0 and after each exchange, of the scene's step or a part."""
+    start, names = dict(zip("xyz", body.get([*"xyz"]), strict=True)), fluid.references if fluid else {}
     loads = {own: own[own.index("load.") :] for own in names if re.match(r"body\[\d+\]\.load\.", own)}
     shape = next(iter(loads), "").partition("load.")[0]
     motions = {own: own.partition("motion.")[2] for own in names if shape and own.startswith(f"{shape}motion.")}
@@ -52,17 +52,17 @@ def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float, h: flo
             for wing in wings:
                 give(wing.unit, fluid, wing.nodes(fluid))
             for own, output in motions.items():
-                rest = dict(zip("xyz", start, strict=True)).get(output, 0.0)
-                fluid.set([own], [body.get([output])[0] - rest])
+                fluid.set([own], [body.get([output])[0] - start.get(output, 0.0)])
 
     for wing in wings:
         give(body, wing.unit, wing.roots["root"])
     follow()
     for unit in filter(None, [*(wing.unit for wing in wings), body, fluid]):
         unit.fmu.exitInitializationMode()
-    yield [0.0, *body.get(WAY)]
-    for i in range(round(end / h)):
-        t = i * h
+    t, h = 0.0, body.get(["step"])[0]
+    yield [t, *body.get(WAY)]
+    while t < end - h / 2:
+        h /= max(1, math.ceil(h / fluid.get(["longest_step"])[0] - 1e-9)) if fluid else 1  # Loads hold for one step
         body.set(["step"], [h])
         for wing in wings:
             give(wing.unit, body, wing.borne)
@@ -79,22 +79,22 @@ def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float, h: flo
         if fluid:
             follow()
             fluid.fmu.doStep(t, h)
-        yield [t + h, *body.get(WAY)]
+        yield [t := t + h, *body.get(WAY)]
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    for name, kind, text in (("units", str, "beginning of the FMUs' names"), ("csv", str, "file to write"),
-                             ("end", float, "s"), ("step", float, "s")):  # fmt: skip
-        parser.add_argument(name, type=kind, help=text)
-    parser.add_argument("wings", nargs="+", help="names of the wings")
+    parser.add_argument("units", help="beginning of the FMUs' names")
+    parser.add_argument("csv", help="file to write")
+    parser.add_argument("end", type=float, help="s")
+    parser.add_argument("wings", nargs="+", help="their names")
     given = parser.parse_args()
-    paths = {name: Path(f"{given.units}{name}.fmu") for name in ["body", *given.wings, "fluid"]}
-    units = {name: Unit(str(path), given.end) for name, path in paths.items() if path.exists()}
+    paths = {name: f"{given.units}{name}.fmu" for name in ["body", *given.wings, "fluid"]}
+    units = {name: Unit(path, given.end) for name, path in paths.items() if Path(path).exists()}
     places = ["wing."] if len(given.wings) == 1 else [f"wing[{k}]." for k in range(1, len(given.wings) + 1)]
     carried = [Carried(units[name], name, place) for name, place in zip(given.wings, places, strict=True)]
     with open(given.csv, "w", encoding="utf-8", newline="") as file:
-        way = fly(units["body"], carried, units.get("fluid"), given.end, given.step)
+        way = fly(units["body"], carried, units.get("fluid"), given.end)
         csv.writer(file).writerows([["time", *WAY], *([f"{value:.10g}" for value in row] for row in way)])
     for unit in units.values():
         unit.close()

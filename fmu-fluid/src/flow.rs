@@ -22,6 +22,8 @@ where
     pub displacements: Vec<Pose<D>>,
     /// Displacement of the fine box then, m; unused unless the master moves it.
     pub box_displacement: [f64; D],
+    /// Velocity that the master adds to the stream in the step, m/s; unused without a gust.
+    pub gust: [f64; D],
     /// None in a description.
     solver: Option<Fluid<D>>,
 }
@@ -67,6 +69,7 @@ where
             stations: parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect(),
             displacements: vec![Pose::default(); parameters.bodies.len()],
             box_displacement: [0.0; D],
+            gust: [0.0; D],
             solver: None,
             parameters,
         })
@@ -80,11 +83,11 @@ where
 
     /// Make the solver again, for a scene with other numbers; after an error it is as before.
     pub fn change(&mut self, scene: &Scene) -> Result<(), String> {
-        let Self { stations, displacements, box_displacement, .. } = self;
+        let Self { stations, displacements, box_displacement, gust, .. } = self;
         let mut changed = Self::new(scene)?;
         changed.build()?;
         (changed.stations, changed.displacements) = (stations.clone(), displacements.clone());
-        changed.box_displacement = *box_displacement;
+        (changed.box_displacement, changed.gust) = (*box_displacement, *gust);
         *self = changed;
         Ok(())
     }
@@ -125,9 +128,23 @@ where
     /// Advance from `t` to `t + h` (s).
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.give_displacements();
+        if let Some(gust) = &self.parameters.gust {
+            gust.set(&self.gust);
+        }
         let solver = self.solver.as_mut().expect(BUILT);
         solver.stations_mut().iter_mut().zip(&self.stations).for_each(|(to, from)| to.copy_from(from));
         solver.advance(t, h)
+    }
+
+    /// Return whether stations move in a step of `h` (s) that is longer than their announced loads hold, and which the
+    /// solver takes all the same.
+    pub fn outlives_loads(&self, h: f64) -> bool {
+        let solver = self.solver();
+        let moves = |own: &Stations<D>| own.velocity.iter().flatten().any(|velocity| *velocity != 0.0);
+        self.parameters.divides_loads
+            && solver.announces()
+            && h > solver.longest_step() * (1.0 + 1e-9)
+            && self.stations.iter().any(moves)
     }
 
     /// Give the solver the displacements of the bodies that the master moves, and of the fine box.

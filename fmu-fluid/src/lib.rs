@@ -16,6 +16,8 @@ struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
     flow: Flow,
+    /// Whether it has warned of loads that do not hold.
+    has_warned: bool,
 }
 
 impl FluidUnit {
@@ -47,7 +49,7 @@ impl Model for FluidUnit {
         let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, flow })
+        Ok(Self { parameters, scene, flow, has_warned: false })
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -78,7 +80,14 @@ impl Model for FluidUnit {
         Ok(())
     }
 
-    fn step(&mut self, t: f64, h: f64, _log: &Log) -> Result<(), String> {
+    fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
+        if !self.has_warned && either!(&self.flow, flow => flow.outlives_loads(h)) {
+            self.has_warned = true;
+            log.warn(format_args!(
+                "the communication step of {h:.3e} s at t = {t:.6e} s is longer than the output `longest_step`: the loads \
+                 `force_x`, `force_y` with their `impedance` hold for one step of the fluid, `pressure_jump` for any"
+            ));
+        }
         either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())
     }
 

@@ -144,6 +144,16 @@ where
                 }));
             }
         }
+        if part.gust.is_some() {
+            // An inflow blows along x alone.
+            let axes = if part.mean_flow.is_some() { D } else { 1 };
+            for (axis, along) in AXES.into_iter().enumerate().take(axes) {
+                let text = format!("Velocity along {along} that is added to the stream in the step");
+                list.0.push(Real::input(format!("gust.{along}"), "m/s", text, move |m: &mut FluidUnit| {
+                    from_mut(&mut flow::<D>(m).gust[axis])
+                }));
+            }
+        }
         if unit.scene.followed().is_some() {
             for (axis, along) in AXES.into_iter().enumerate().take(D) {
                 let text = format!("Lower end of the fine box along {along}");

@@ -20,6 +20,8 @@ pub struct Coupled {
     start: f64,
     /// Steps made since `start`.
     steps: u32,
+    /// Length of the last exchange, s; 0 before the first.
+    last: f64,
     pull: Option<Pull>,
 }
 
@@ -141,7 +143,7 @@ impl Coupled {
             let names = scene.rods.iter().map(|rod| Some(rod.name.clone()));
             names.filter_map(of_rod).map(RodInFlow::new).collect::<Result<_, _>>()?
         };
-        Ok(Self { scene, fluid, rods, start: 0.0, steps: 0, pull: None })
+        Ok(Self { scene, fluid, rods, start: 0.0, steps: 0, last: 0.0, pull: None })
     }
 
     /// Continue with another scene from the present flow: with other values, or with more or fewer cylinders, after
@@ -154,6 +156,7 @@ impl Coupled {
         let cylinders = |of: &Scene| of.fluid.as_ref().map(|fluid| fluid.cylinders.len());
         if cylinders(&next.scene) == cylinders(&self.scene) {
             next.fluid.restore(&self.fluid.state()).map_err(|e| e.to_string())?;
+            next.last = self.last;
         } else {
             next.fluid.continue_from(&self.fluid).map_err(|e| e.to_string())?;
         }
@@ -198,13 +201,36 @@ impl Coupled {
         self.pull = pull.filter(|pull| pull.rod < self.rods.len());
     }
 
-    /// Make one step of the size of the scene.
+    /// Make one step of the size of the scene, with an exchange in each step of the fluid.
     ///
     /// # Errors
     /// A solver that fails, with its reason.
     pub fn step(&mut self) -> Result<(), String> {
         let _fast = Fast::enter();
         let (t, h) = (self.time(), self.scene.time.communication_step);
+        // As `python/nervure/coupling`: the announced loads hold for a step as long as the last one, or that divided.
+        let whole = |number: f64| (number - 1e-9).ceil().max(1.0);
+        let parts = |own: &Self, h: f64| if own.fluid.announces() { whole(h / own.fluid.longest_step()) } else { 1.0 };
+        if self.last == 0.0 || 2.0 * parts(self, h) <= h / self.last * (1.0 + 1e-9) {
+            self.last = h;
+        }
+        let mut left = h;
+        while left > 0.0 {
+            let count = whole(left / self.last * parts(self, self.last));
+            self.last = left / count;
+            self.exchange(t + (h - left), self.last)?;
+            left = if count > 1.0 { left - self.last } else { 0.0 };
+        }
+        self.steps += 1;
+        let [drag, lift] = self.fluid.force();
+        if drag.abs().max(lift.abs()) < LARGEST {
+            return Ok(());
+        }
+        Err(format!("the force of the flow is {drag:.3e}, {lift:.3e} N/m at t = {:.3} s", self.time()))
+    }
+
+    /// Step the rods from `t` to `t + h` (s) with the present loads, then the fluid.
+    fn exchange(&mut self, t: f64, h: f64) -> Result<(), String> {
         for (i, own) in self.rods.iter_mut().enumerate() {
             take_loads(&mut self.fluid, i, &mut own.rod.loads);
             if let Some(pull) = self.pull.filter(|pull| pull.rod == i) {
@@ -218,13 +244,7 @@ impl Coupled {
                 stations.velocity[axis].copy_from_slice(own.rod.velocities(axis));
             }
         }
-        self.fluid.advance(t, h).map_err(|e| e.to_string())?;
-        self.steps += 1;
-        let [drag, lift] = self.fluid.force();
-        if drag.abs().max(lift.abs()) < LARGEST {
-            return Ok(());
-        }
-        Err(format!("the force of the flow is {drag:.3e}, {lift:.3e} N/m at t = {:.3} s", self.time()))
+        self.fluid.advance(t, h).map_err(|e| e.to_string())
     }
 
     /// Return time, drag and lift, the displacement of the tip of each rod, and the position of each body, in SI units.

@@ -8,10 +8,12 @@ import pytest
 from nervure import coupling
 from nervure.coupling.acceleration import WINDOWS_REUSED
 from nervure.coupling.guards import Limits
-from nervure.scene import read
+from nervure.errors import UnitError
+from nervure.scene import load as load_scene, read
 from nervure.scene.types import Coupling, Guards
 from nervure.simulation.loop import TimeGrid
 from nervure.simulation.recorder import Recorder
+from nervure.simulation.session import Session
 from nervure.simulation.summary import interface
 from nervure.units.fmu import Variable
 from tests.conftest import FSI1, FSI3, output
@@ -44,6 +46,20 @@ def added_mass(eigenvalues, seed=1):
     random = np.random.default_rng(seed)
     basis = np.eye(n) + 0.3 * random.standard_normal((n, n)) / np.sqrt(n)
     return basis @ np.diag(eigenvalues) @ np.linalg.inv(basis), random.standard_normal(n)
+
+
+@pytest.mark.parametrize("load", ["momentum", "pressure_jump"])
+def test_a_fluid_in_the_plane_refuses_a_step_in_which_the_load_of_its_rod_does_not_hold(load, libraries):
+    """A pressure jump holds as long as one wants."""
+    stream = {"fluid.initial_velocity": [1.0, 0.0], "fluid.time_stepping.max_cfl": 0.02}
+    with Session(load_scene(FSI3).copy({**stream, "coupling.load": load})) as session:
+        session.start()
+        fluid = session.units["fluid"]
+        if load == "momentum":
+            with pytest.raises(UnitError, match="loads hold for one step.*make the communication step no longer than"):
+                fluid.step(0.0, 4e-4)
+        else:
+            fluid.step(0.0, 4e-4)
 
 
 @pytest.mark.parametrize("different", [1, 2, 4])

@@ -176,6 +176,51 @@ def test_a_wing_that_nothing_drives_is_refused_by_its_key(wing_library):
         Session(validate(scene))
 
 
+def test_a_drive_that_turns_a_wing_hears_that_a_hinge_does(wing_library):
+    mesh = {"rectangular": {"length": 0.2, "width": 0.1, "along": 2}}
+    membrane = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.1}
+    wing = {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": "master"}
+    scene = {"name": "w", "time": {"end": 0.1, "communication_step": 0.01}, "wing": wing}
+    with Session(validate(scene), drive=lambda t, _: {"root.angle": t}) as session:
+        session.start()
+        with pytest.raises(CouplingError, match="leaves it root.x.*; at a hinge of a `flyer` it turns a wing, too"):
+            session.step()
+
+
+STREAM = {
+    "mean": {"mean_flow": {"x": {"constant": 1.0}}},
+    "inflow": {"inflow": {"x": [-1.9, -1.5], "profile": "uniform", "mean_velocity": {"constant": 1.0}, "c_eta": 1e-3}},
+    "fine box": {"mean_flow": {"x": {"constant": 1.0}}, "fine_box": {"x": [-1.25, 1.25], "y": [-1.25, 1.25]}},
+}
+
+
+@pytest.mark.parametrize("stream", STREAM)
+def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries):
+    """Large steps of the coarse grid keep a gust longer."""
+    fluid = {
+        "density": 1.0,
+        "kinematic_viscosity": 0.05,
+        "box": {"x": [-2.0, 2.0], "y": [-2.0, 2.0], "cells": [32, 32]},
+        "initial_velocity": [1.0, 0.0],
+        "bodies": [{"shape": {"circle": {"radius": 0.3}}, "position": [0.0, 0.0]}],
+        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+    } | STREAM[stream]
+    scene = {"name": "gust", "time": {"end": 0.5, "communication_step": 0.01}, "fluid": fluid}
+    key = "fluid.inflow.mean_velocity" if stream == "inflow" else "fluid.mean_flow.x"
+    drags = []
+    for law in ({"sum": [{"constant": 1.0}, MOTION]}, {"constant": 1.0}):
+        drive = None if "sum" in law else lambda t, _: {"gust.x": heave(t, _)["root.y"]}
+        own = validate(scene).copy({key: law} | ({"fluid.gust": "master"} if drive else {}))
+        with Session(own, drive=drive) as session:
+            assert session.run().error is None, session.error
+            drags.append(session.recorder.series["drag"])
+    by_law, driven = drags
+    assert np.ptp(by_law[20:]) > 0.1 * np.abs(by_law[20:]).mean()
+    apart = np.abs(driven - by_law).max() / np.ptp(by_law[20:])
+    assert apart < (0.2 if stream == "fine box" else 1e-9), f"{apart:.1e} of the change of the drag"
+
+
 def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
     done = conftest.nervure("inspect", PLATE)
     assert done.returncode == 0 and "wall time" in done.stdout, done.stderr

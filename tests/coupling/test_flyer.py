@@ -16,6 +16,7 @@ from nervure.coupling.flight import Carried
 from nervure.errors import InputError, SceneError
 from nervure.output import animation
 from nervure.resources import ROOT
+from nervure.scene.facts import Facts
 from nervure.simulation.session import Session
 from nervure.units.describe import describe
 
@@ -388,13 +389,14 @@ def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_t
     assert (tmp_path / "motion.gif").exists()
 
 
-def test_a_pid_of_the_stroke_holds_the_height_that_a_constant_stroke_loses(tmp_path):
+def test_a_pid_of_the_stroke_holds_height_and_pitch_that_a_constant_stroke_loses(tmp_path):
     """On coarse cells and with a small stroke, which lift less than half of the example's mass."""
     scene = json.loads((EXAMPLES / "flyer-pid.json").read_text())
-    scene["time"] = {"end": 0.01, "communication_step": 1e-5}
+    scene["time"] = {"end": 0.0125, "communication_step": 2e-5}
     scene["fluid"]["box"]["cells"], scene["flyer"]["mass"] = [32, 24, 32], 5.5e-7
-    heights = []
-    for seen in ({}, {"body_z": 0.0, "body_vz": 0.0}):
+    scene["fluid"]["time_stepping"]["max_step"] = 2e-5
+    ends = []
+    for seen in ({}, {f"body_{name}": 0.0 for name in ("z", "vz", "y", "vy", "angle_x", "omega_x")}):
         pid = runpy.run_path(str(EXAMPLES / "flyer_pid.py"))["Pid"]
         pid.__call__.__globals__.update(AMPLITUDE=0.9, KP=5600.0, KD=38.0)  # Twice as fast as the example
         own = pid()
@@ -403,6 +405,22 @@ def test_a_pid_of_the_stroke_holds_the_height_that_a_constant_stroke_loses(tmp_p
             return own(t, {**values, **seen})
 
         with run(scene, tmp_path, drive=drive) as session:
-            heights.append(outputs(session)["z"])
-    held, lost = heights
+            found = outputs(session)
+            ends.append([found["z"], found["angle_x"]])
+    (held, upright), (lost, leaning) = ends
     assert lost < -1e-4 and abs(held) < 0.5 * abs(lost), f"{held} m under control, {lost} m without"
+    assert leaning < -0.2 and abs(upright) < 0.5 * abs(leaning), f"{upright} rad under control, {leaning} without"
+
+
+def test_the_laws_of_hinges_set_speed_length_and_cfl_number(libraries):
+    """The tip of a wing of 0.2 m turns about z at most by 2 π f times the amplitude."""
+    scene = swimmer()
+    scene["time"]["end"] = 2.0
+    numbers = Facts(nervure.Scene.model_validate(scene)).numbers
+    speed = 0.8 * 2 * math.pi * 2.0 * math.hypot(0.2, 0.05)
+    assert numbers.velocity == pytest.approx(speed, rel=1e-3) and numbers.velocity_of == "hinge of left"
+    assert numbers.length == pytest.approx(0.1) and numbers.length_of == "wing_1"
+    assert numbers.reynolds == pytest.approx(speed * 0.1 / 0.02, rel=1e-3)
+    assert numbers.cfl == pytest.approx(speed * 5e-3 / 0.1, rel=1.0)
+    scene["flyer"]["hinges"][0]["motion"] = scene["flyer"]["hinges"][1]["motion"] = "master"
+    assert Facts(nervure.Scene.model_validate(scene)).numbers.velocity is None

@@ -194,6 +194,7 @@ RELATIONS = [
     (FSI3, f'{LAW}={{"table": {{"times": [0, 1], "values": [0, 1, 2]}}}}'),
     (FSI3, 'fluid.mean_flow={"x": {"constant": 0}}'),
     (HOVER, 'fluid.mean_flow={"x": {"constant": 1}}'),
+    (HOVER, "fluid.gust=master"),
     (FSI3, "fluid.time_stepping.max_cfl=1e-9"),
     (FSI3, "fluid.time_stepping.max_step=1e-12"),
     (FSI3, "rod.max_step=1e-12"),

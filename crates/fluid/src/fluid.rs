@@ -56,6 +56,8 @@ where
     /// Contact of flexible lines with each other; absent without.
     rod_contact: Option<RodContact<D>>,
     limits: StepLimits,
+    /// Whether several steps in a communication step are taken under announced loads.
+    divides_loads: bool,
     bytes_per_number: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
     undo: Option<State<D>>,
@@ -152,6 +154,7 @@ where
             rod_contact: RodContact::new(parameters),
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
+            divides_loads: parameters.divides_loads,
             bytes_per_number: parameters.precision.bytes(),
             undo: None,
             present,
@@ -314,7 +317,7 @@ where
     ///
     /// # Errors
     /// Numbers that are not finite, a flow or stations that need more than a hundred times the usual number of steps, and
-    /// several steps in space under announced loads. An error leaves everything unchanged; only after [`Error::Loads`] a state has to be restored.
+    /// several steps under announced loads without [`Parameters::divides_loads`]. An error leaves everything unchanged; only after [`Error::Loads`] a state has to be restored.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.problem.timer.start();
         self.limits.check(t, h)?;
@@ -332,8 +335,7 @@ where
             .for_each(|(from, carried)| *from = carried.now);
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
-        // A rod in the plane may take the pressure jump instead.
-        if several && D == 3 && self.announces() {
+        if several && !self.divides_loads && self.announces() {
             return Err(Error::Divided { time: t, step: h, longest: self.longest_step() });
         }
         if several {

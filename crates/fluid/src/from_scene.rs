@@ -10,6 +10,7 @@ use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
+use crate::gust::Gust;
 use crate::parameters::{
     Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone,
 };
@@ -69,6 +70,9 @@ where
     let (channel, time) = (fluid.channel.as_ref(), &fluid.time_stepping);
     let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
+    let gust = fluid.gust.map(|_| Gust::default());
+    let blown = |law: Law, axis| gust.as_ref().map_or(law.clone(), |gust| gust.added_to(law, axis));
+    let zone = |zone: Zone| Zone { mean_velocity: blown(zone.mean_velocity, 0), ..zone };
     Parameters {
         fine_box: fluid.fine_box.as_ref().map(|fine| {
             let places = fine.places(&fluid.r#box);
@@ -84,10 +88,11 @@ where
         }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,
-        mean_flow: mean_flow.map(|mean| std::array::from_fn(|axis| law(mean[axis]))),
+        mean_flow: mean_flow.map(|mean| std::array::from_fn(|axis| blown(law(mean[axis]), axis))),
         walls: std::array::from_fn(|axis| walls[axis]),
-        inflow: fluid.inflow.as_ref().map(inflow),
-        sponge: fluid.sponge.as_ref().map(sponge),
+        inflow: fluid.inflow.as_ref().map(inflow).map(zone),
+        sponge: fluid.sponge.as_ref().map(sponge).map(zone),
+        gust: gust.clone(),
         mask: fluid.mask,
         probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
         filter: fluid.filter,
@@ -97,6 +102,8 @@ where
         max_step: time.max_step,
         max_cfl: scene.largest_cfl(fluid),
         loads: scene.load().is_none_or(|load| load == Load::Momentum),
+        // The rods of the scene take its load; a beam without one may be moved by a rod with another.
+        divides_loads: D == 2 && scene.load().is_none(),
         pressure_around: scene.axial_pressure_strain(),
         ..Parameters::new(domain, components(&fluid.r#box.cells), fluid.density, fluid.kinematic_viscosity, step)
     }

@@ -24,6 +24,7 @@ mod force;
 #[cfg(feature = "scene")]
 mod from_scene;
 mod grid;
+mod gust;
 mod kernel;
 mod limits;
 mod outlet;
@@ -55,6 +56,7 @@ pub use force::{Exchange, Force};
 pub use geometry::plane::Outline;
 pub use geometry::space::Solid;
 pub use grid::Grid;
+pub use gust::Gust;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
 pub use parameters::{Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone};
 pub use shapes::{Polyline, Shape, Triangulation};

@@ -11,6 +11,7 @@ use method::{Filter, Mask, Precision, Support, TimeScheme};
 use crate::bodies::Contacts;
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::gust::Gust;
 use crate::shapes::{Between, Shape};
 use crate::space::{Freedoms, Kinematics, Space, Spin};
 
@@ -46,6 +47,8 @@ where
     pub inflow: Option<Zone>,
     /// Zone in which the flow is softly drawn to a velocity.
     pub sponge: Option<Zone>,
+    /// Velocity that the master adds to the laws of mean flow, inflow and sponge; absent: none.
+    pub gust: Option<Gust>,
     /// Rigid bodies.
     pub bodies: Vec<Body<D>>,
     /// Contact of the bodies on a mount; absent: they pass through everything.
@@ -72,6 +75,9 @@ where
     pub communication_step: f64,
     /// Whether loads on the nodes of flexible bodies are predicted for the coming step.
     pub loads: bool,
+    /// Whether a communication step may have several steps although the loads hold for one, as a rod in the plane may
+    /// take the pressure jump in place of them.
+    pub divides_loads: bool,
     /// Whether the pressure around beams with a mask is an output; it needs an inflow.
     pub pressure_around: bool,
 }
@@ -287,6 +293,7 @@ where
             walls: [None; D],
             inflow: None,
             sponge: None,
+            gust: None,
             bodies: Vec::new(),
             contact: None,
             flexible: Vec::new(),
@@ -300,6 +307,7 @@ where
             max_cfl: 0.4,
             communication_step,
             loads: true,
+            divides_loads: D == 2,
             pressure_around: false,
         }
     }

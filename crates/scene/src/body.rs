@@ -58,11 +58,11 @@ pub enum BodyDrive {
     Master(ByMaster),
 }
 
-/// Motion from outside.
+/// What comes from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ByMaster {
-    /// The master sets displacement, angle and their rates at the end of each communication step.
+    /// The master sets it: of a motion displacement, angle and their rates at the end of each communication step.
     Master,
 }
 

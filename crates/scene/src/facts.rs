@@ -25,6 +25,7 @@ use serde::Serialize;
 use crate::beam::Beam;
 use crate::body::Body;
 use crate::fluid::{Fluid, InflowProfile};
+use crate::flyer::HingeLaws;
 use crate::law::TimeLaw;
 use crate::law_warnings;
 use crate::layers::layers;
@@ -172,6 +173,8 @@ struct Drive {
     velocity: [f64; 3],
     name: String,
     frequency: Option<f64>,
+    /// Name of the force of what a hinge moves.
+    carried: Option<String>,
 }
 
 impl Scene {
@@ -250,7 +253,7 @@ fn laws(scene: &Scene) -> BTreeMap<&'static str, LawFacts> {
 fn thicknesses(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts]) -> Vec<f64> {
     let bodies = fluid.obstacles().map(|own| own.body.shape.size()[1]);
     let thinnest = |facts: &BeamFacts| facts.thickness.iter().copied().fold(f64::INFINITY, f64::min);
-    bodies.chain(beams.iter().map(thinnest)).chain(scene.wing.iter().map(|_| 0.0)).collect()
+    bodies.chain(beams.iter().map(thinnest)).chain(scene.wings().map(|_| 0.0)).collect()
 }
 
 /// Return the number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
@@ -272,8 +275,11 @@ fn dimensionless(
     let steady = streams.iter().chain(&motions).find(|drive| drive.speed > 0.0).map(|drive| (drive.speed, drive));
     // A flow that only goes to and fro has its largest speed.
     let swinging = || streams.iter().find(|drive| drive.largest > 0.0).map(|drive| (drive.largest, drive));
-    let drive = steady.or_else(swinging).map(|(speed, drive)| (speed, drive.name.clone()));
-    let first_scales = scales.first().map(|(_, own)| own);
+    let drive = steady.or_else(swinging);
+    // The speed at a hinge is that of what it carries.
+    let carried = drive.and_then(|(_, drive)| scales.iter().find(|(name, _)| drive.carried.as_ref() == Some(name)));
+    let (length_of, first_scales) = carried.or(scales.first()).map(|(name, own)| (name.clone(), own)).unzip();
+    let drive = drive.map(|(speed, drive)| (speed, drive.name.clone()));
     let chosen = first_scales.and_then(|own| Some((own.speed?, "reference".to_string())));
     let (velocity, velocity_of) = chosen.or(drive).unzip();
     let frequency = motions.iter().chain(streams).find_map(|drive| drive.frequency);
@@ -318,7 +324,7 @@ fn dimensionless(
         velocity,
         velocity_of,
         length,
-        length_of: scales.first().map(|(name, _)| name.clone()),
+        length_of,
         reynolds: number(velocity.zip(length).map(|(u, l)| u * l / nu)),
         reduced_frequency: number(velocity.zip(length).zip(frequency).map(|((u, l), f)| PI * f * l / u)),
         mass_ratio: number(first.map(|(span, mass, _)| mass / span)),
@@ -396,6 +402,7 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
             velocity,
             name: name.into(),
             frequency: laws.into_iter().flatten().find_map(TimeLaw::frequency),
+            carried: None,
         });
     };
     if let Some(inflow) = &fluid.inflow {
@@ -414,14 +421,15 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
 }
 
 /// Return the largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only
-/// turns, of a body that falls with a drag coefficient of 1, of the tip of a beam or a wing as if it were rigid.
+/// turns, of a body that falls with a drag coefficient of 1, of the tip of a beam or a wing as if it were rigid, beside
+/// a body that carries it at a hinge.
 fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
     let ends: Vec<_> = fluid.r#box.ends().collect();
     let mut motions = Vec::new();
-    let mut add = |speed: f64, name: String, frequency| {
-        motions.push(Drive { speed, largest: speed, velocity: [0.0; 3], name, frequency });
-    };
+    let motion =
+        |speed, name, frequency| Drive { speed, largest: speed, velocity: [0.0; 3], name, frequency, carried: None };
+    let mut add = |speed: f64, name: String, frequency| motions.push(motion(speed, name, frequency));
     for own in fluid.obstacles() {
         let Some(motion) = own.body.laws() else { continue };
         let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
@@ -447,9 +455,12 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         let rates = all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length });
         add(norm(rates), "drive of the root".into(), first_frequency(&all));
     }
-    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.laws()?))) {
+    let farthest = |wing: &Wing| {
         let arms = wing.mesh.build().nodes.into_iter().map(|node| minus(node, wing.pivot));
-        let arm = arms.max_by(|a, b| vector::norm(*a).total_cmp(&vector::norm(*b))).unwrap_or_default();
+        arms.max_by(|a, b| vector::norm(*a).total_cmp(&vector::norm(*b))).unwrap_or_default()
+    };
+    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.laws()?))) {
+        let arm = farthest(wing);
         let velocity = |t: f64| {
             let (shift, turn) = (laws.displacement(t).1, laws.direction(t, arm).1);
             std::array::from_fn(|d| shift[d] + turn[d])
@@ -457,6 +468,22 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         let all: Vec<_> = laws.all().collect();
         let speed = vector::norm(fastest(velocity, scene.time.end));
         add(speed, "drive of the root".into(), first_frequency(&all));
+    }
+    for hinge in scene.flyer.iter().flat_map(|flyer| &flyer.hinges) {
+        let Some(HingeLaws { stroke, deviation, pitch }) = hinge.laws() else { continue };
+        let wing = || {
+            let own = scene.wings().find(|own| own.name == hinge.carries)?;
+            Some((own.force_name(), farthest(own.wing)))
+        };
+        let rod = || {
+            let own = scene.beams_with_rods().find(|own| own.name.unwrap_or("rod") == hinge.carries)?;
+            Some((own.force_name(), scene.beam_root(own.beam).1.map(|part| part * own.beam.length)))
+        };
+        let Some((carried, arm)) = wing().or_else(rod) else { continue };
+        let speed = vector::norm(fastest(|t| hinge.vector_at(t, arm).1, scene.time.end));
+        let frequency = first_frequency(&[stroke, deviation, pitch]);
+        let name = format!("hinge of {}", hinge.carries);
+        motions.push(Drive { carried: Some(carried), ..motion(speed, name, frequency) });
     }
     motions
 }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::beam::Beam;
-use crate::body::{Body, BodyDrive, BodyMotion};
+use crate::body::{Body, BodyDrive, BodyMotion, ByMaster};
 use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
 use crate::shape::Shape;
@@ -50,6 +50,10 @@ pub struct Fluid {
     /// Mean velocity over the whole box; absent where it is free. Not together with an inflow.
     #[serde(default)]
     pub mean_flow: Option<MeanFlow>,
+    /// With `master` the inputs `gust.x`, `.y`, `.z` are added to the velocity of inflow, mean flow and sponge, m/s; beside
+    /// an inflow only `gust.x`. Absent: nothing is added.
+    #[serde(default)]
+    pub gust: Option<ByMaster>,
     /// Circular cylinders, still or in prescribed motion.
     #[serde(default)]
     pub cylinders: Vec<Cylinder>,
@@ -535,6 +539,10 @@ impl Fluid {
             sponge.mean_velocity.check_at(&format!("{key}.sponge.mean_velocity"), faults);
             possible(faults, format!("{key}.sponge.profile"), sponge.profile);
         }
+        let is_free = self.inflow.is_none() && self.mean_flow.is_none();
+        faults.forbid(self.gust.is_some() && is_free, &format!("{key}.gust"), || {
+            "nothing keeps a stream that it could be added to; give an `inflow` or a `mean_flow`".into()
+        });
         if let Some(mean_flow) = &self.mean_flow {
             self.check_mean_flow(mean_flow, &format!("{key}.mean_flow"), faults);
         }

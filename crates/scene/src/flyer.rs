@@ -1,6 +1,5 @@
 //! A free rigid body that carries wings and rods at driven hinges.
 
-use geometry::vector::turned;
 use method::Support;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,6 +8,7 @@ use crate::body::{ByMaster, Turn};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Inertia;
+use crate::root::turned_at_rate;
 
 /// A free rigid body in space, the unit `body`. It moves in all directions that `held` does not name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -143,10 +143,16 @@ impl FlyerHinge {
 
     /// Return a vector of the wing's mesh at the start, in the axes of the body.
     pub fn at_start(&self, vector: [f64; 3]) -> [f64; 3] {
-        let [stroke, deviation, pitch] = self.laws().map_or([0.0; 3], |laws| laws.angles(0.0).map(|(angle, _)| angle));
+        self.vector_at(0.0, vector).0
+    }
+
+    /// Return a vector of the wing's mesh at time `t` (s), in the axes of the body, and its rate, 1/s; without laws with
+    /// all angles 0.
+    pub(crate) fn vector_at(&self, t: f64, vector: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let [stroke, deviation, pitch] = self.laws().map_or([(0.0, 0.0); 3], |laws| laws.angles(t));
         let turns = [([1.0, 0.0, 0.0], pitch), ([0.0, 1.0, 0.0], deviation), ([0.0, 0.0, 1.0], stroke)];
-        let hinged = turns.into_iter().fold(vector, |vector, (axis, angle)| turned(vector, axis, angle));
-        self.turn.as_ref().map_or(hinged, |turn| turned(hinged, turn.unit_axis(), turn.angle))
+        let fixed = self.turn.as_ref().map(|turn| (turn.unit_axis(), (turn.angle, 0.0)));
+        turned_at_rate(turns.into_iter().chain(fixed), vector)
     }
 }
 

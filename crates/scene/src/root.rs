@@ -121,14 +121,20 @@ impl RootLaws {
 
     /// Return the direction at time `t` (s) of a vector that has `direction` at rest, and its rate, 1/s.
     pub fn direction(&self, t: f64, direction: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-        self.rotations.iter().fold((direction, [0.0; 3]), |(direction, rate), rotation| {
-            let axis = rotation.unit_axis();
-            let (angle, omega) = rotation.angle.value_and_rate(t);
-            let (now, carried) = (turned(direction, axis, angle), turned(rate, axis, angle));
-            let turning = cross(axis, now);
-            (now, std::array::from_fn(|d| carried[d] + omega * turning[d]))
-        })
+        turned_at_rate(self.rotations.iter().map(|own| (own.unit_axis(), own.angle.value_and_rate(t))), direction)
     }
+}
+
+/// Return a vector after turns about unit axes by angles, rad, in order, and its rate for the rates of these, rad/s.
+pub(crate) fn turned_at_rate(
+    turns: impl IntoIterator<Item = ([f64; 3], (f64, f64))>,
+    vector: [f64; 3],
+) -> ([f64; 3], [f64; 3]) {
+    turns.into_iter().fold((vector, [0.0; 3]), |(vector, rate), (axis, (angle, omega))| {
+        let (now, carried) = (turned(vector, axis, angle), turned(rate, axis, angle));
+        let turning = cross(axis, now);
+        (now, std::array::from_fn(|d| carried[d] + omega * turning[d]))
+    })
 }
 
 impl Rotation {

@@ -25,7 +25,7 @@ from nervure.scene import plain
 from nervure.units.fmu import Unit
 
 ROOT, BODY, HINGE = "root_motion", "fluid.bodies[k].motion", "flyer.hinges[k].motion"
-BOX = "fluid.fine_box.follow"
+BOX, GUST = "fluid.fine_box.follow", "fluid.gust"
 """Scene keys that leave something to the master: `root_motion` of a rod or a wing."""
 
 DRIVEN: tuple[tuple[str, str, str | None], ...] = (
@@ -37,10 +37,11 @@ DRIVEN: tuple[tuple[str, str, str | None], ...] = (
     (HINGE, r"(\w+)\.(stroke|deviation|pitch)", r"\1.\2_rate"),
     (BODY, r"body\[\d+\]\.motion\.(angle|omega)_[xyz]", None),  # A rotation vector has another rate
     (BOX, r"fine_box\.motion\.[xyz]", None),
+    (GUST, r"gust\.[xyz]", None),
 )
 """Driven quantities: scene key, pattern of the input, and input of the rate; None where a drive sets all itself."""
 
-MASTER = re.compile(r"root\.|(body\[\d+\]|fine_box)\.motion\.")
+MASTER = re.compile(r"root\.|gust\.|(body\[\d+\]|fine_box)\.motion\.")
 
 NAME = "drive"  # Of the function in a file
 
@@ -165,6 +166,7 @@ class Driver:
         self.places: dict[str, tuple[np.ndarray, int]] = {}
         self.units: dict[str, str | None] = {}  # Physical units
         several, keys = len(units) > 2, set[str]()
+        self.has_wing = any("root.rotation" in unit.variables for unit in units.values() if left(unit))
         for own, unit in units.items():
             names, quantities = left(unit), driven_quantities(unit)
             shown = {name: f"{own}.{name}" if several and name.startswith("root.") else name for name in names}
@@ -235,9 +237,9 @@ class Driver:
         found: dict[str, float] = {}
         for name, value in given.items():
             if name not in self.places:
-                raise CouplingError(
-                    f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {', '.join(self.places)}"
-                )
+                left = ", ".join(self.places)
+                more = "; at a hinge of a `flyer` it turns a wing, too" if self.has_wing and "root." in name else ""
+                raise CouplingError(f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {left}{more}")
             try:
                 found[name] = math.nan if isinstance(value, str) else float(value)
             except (TypeError, ValueError, OverflowError):

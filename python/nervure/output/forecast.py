@@ -123,7 +123,7 @@ def _warnings(facts: Facts) -> Iterator[str]:
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
     elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
-    if numbers.velocity and numbers.length and not scene.wing:
+    if numbers.velocity and numbers.length and not (scene.wing or scene.wings):
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):

@@ -146,8 +146,8 @@ class Facts:
         thin = ShapePlate | ShapePolyline | ShapeDisk | ShapeTriangulation
         rigid = {f"body_{i}" for i, body in bodies if isinstance(body.shape, thin)}
         flexible = zip(self.beams, self._found["beams"], strict=True)
-        wing = {"wing"} if self.scene.wing else set()
-        return rigid | wing | {own.force for own, found in flexible if found["line"]}
+        wings = {"wing"} if self.scene.wing else {f"wing_{i + 1}" for i in range(len(self.scene.wings))}
+        return rigid | wings | {own.force for own, found in flexible if found["line"]}
 
     @cached_property
     def scales(self) -> dict[str, Scales]:
