@@ -27,6 +27,8 @@ from time import perf_counter, process_time, time
 from types import ModuleType
 from typing import Any
 
+from pydantic import ValidationError
+
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
 from nervure.files import claimed, json_numbers, undone_on_error, write_csv, write_whole
@@ -165,11 +167,28 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
 
 
 def key_of(scene: Document) -> str:
-    """Return a digest of a scene and the libraries of its units."""
-    digest = hashlib.sha256(text(scene).encode())
+    """Return a digest of a scene and the libraries of its units; 1 and 1.0 are the same where a key may be either."""
+    digest = hashlib.sha256(text(_alike(scene)).encode())
     for kind in dict.fromkeys(unit_kinds(scene).values()):
         digest.update(_library_digest(library(kind), library(kind).stat().st_mtime_ns))
     return digest.hexdigest()
+
+
+def _alike(scene: Document) -> Document:
+    """Return a scene with whole numbers as integers; a scene whose types do not fit as it is, as 8.0 may be no 8."""
+
+    def whole(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: whole(part) for key, part in value.items()}
+        if isinstance(value, list):
+            return [whole(part) for part in value]
+        return int(value) if isinstance(value, float) and value.is_integer() else value
+
+    try:
+        Scene.model_validate(scene)
+    except ValidationError:
+        return scene
+    return {key: whole(part) for key, part in scene.items()}
 
 
 @cache
@@ -217,16 +236,22 @@ def _run_on_worker(scene: Document, folder: Path, deadline: float) -> Row:
 
 
 def run_case(
-    scene: Document, folder: Path, deadline: float = math.inf, tell: Callable[[int], None] = lambda _: None
+    scene: Document,
+    folder: Path,
+    deadline: float = math.inf,
+    tell: Callable[[int], None] = lambda _: None,
+    by_cpu: bool = False,
 ) -> Row:
-    """Run a case and return its row; packing and pictures, which outlast a short run, are left out."""
+    """Run a case and return its row; packing and pictures, which outlast a short run, are left out. The deadline is a
+    time of the wall, or of the processor."""
+    now = process_time if by_cpu else time
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
         with Session(validate(scene), folder) as session:
             session.observers = [Reporter(tell)]
-            status = session.run(lambda: time() > deadline)
+            status = session.run(lambda: now() > deadline)
             summary = session.finish().summary
         if status.stopped:
             row = {"status": STOPPED, "reason": f"at t = {status.simulated:g} s: it took longer than was left for it"}
@@ -260,6 +285,7 @@ def run(
     workers: int | None = None,
     admit: Callable[[Case], bool] = lambda _: True,
     deadline: float = math.inf,
+    by_cpu: bool = False,
 ) -> list[Row]:
     """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
     rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it. Without a
@@ -267,7 +293,7 @@ def run(
 
     `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done. A run
     begins only if `admit` returns True right before, and ends at the `deadline`, seconds since the epoch. One run at a
-    time with a deadline is made in this process.
+    time with a deadline is made in this process, and the deadline then may be one of its processor time, `by_cpu`.
     """
     rows = {case.folder: earlier_row(case, folder) for case in cases}
     todo = missing_cases(cases, folder, False) if todo is None else todo
@@ -302,7 +328,7 @@ def run(
             if todo and scheduler is None and workers == 1 and deadline < math.inf:
                 for case in filter(admit, todo):
                     place = (folder / case.folder).resolve()
-                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder)))
+                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder), by_cpu))
             elif todo:
                 _distribute(todo, folder, scheduler, workers, reached, keep, admit, deadline)
     except OSError as error:
