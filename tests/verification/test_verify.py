@@ -249,3 +249,13 @@ def test_workers_that_were_slow_to_start_are_not_started_again_for_short_runs(ba
         found._make(settings)
     print(asked, found.start)
     assert asked == [2, 1] and found.start == 50.0
+
+
+@pytest.mark.filterwarnings("default")  # For those of Dask
+def test_workers_of_a_scheduler_find_what_this_process_does(bar, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+        found = nervure.verify(bar, tmp_path / "two", scheduler=cluster.scheduler_address, quiet=True)
+        assert sweep.at_once(cluster.scheduler_address, None) == 2
+    own = quietly(bar, tmp_path / "one")
+    assert found.reached and found.verified.quantities == own.verified.quantities

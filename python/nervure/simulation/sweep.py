@@ -20,6 +20,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib.util import find_spec
 from multiprocessing import resource_tracker
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -387,6 +388,37 @@ def _main_not_imported() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
+def at_once(scheduler: str | None, workers: int | None) -> int:
+    """Return how many runs go on at once: the workers of a `scheduler`, or else at most `workers` of this machine."""
+    if scheduler is None:
+        return workers or (require("dask.system", "a sweep").CPU_COUNT if find_spec("distributed") else 1)
+    with _connected(scheduler) as client:
+        return len(client.nthreads())
+
+
+@contextmanager
+def _connected(scheduler: Any) -> Iterator[Any]:
+    """Yield a client of a scheduler, given by its address or as a cluster; raise `InputError` where none answers, or
+    where it has no workers of one thread."""
+    distributed = require("distributed", "a sweep")
+    try:
+        client = distributed.Client(scheduler, timeout=CONNECT_S)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are on "
+            "this machine"
+        ) from error
+    with client:
+        threads = client.nthreads()
+        if not threads:
+            raise InputError(
+                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
+            )
+        if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
+            raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+        yield client
+
+
 def _distribute(
     cases: Sequence[Case],
     folder: Path,
@@ -404,28 +436,13 @@ def _distribute(
     with ExitStack() as stack:
         check = stack.enter_context(_interruption())
         if scheduler is None:
-            from dask.system import CPU_COUNT
-
             # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
             options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
-            size = {"n_workers": min(workers or CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
+            size = {"n_workers": min(at_once(None, workers), len(cases)), "threads_per_worker": 1, "memory_limit": None}
             stack.enter_context(_main_not_imported())
             with _without_interrupts():
                 scheduler = stack.enter_context(distributed.LocalCluster(**size, **options))
-        try:
-            client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are "
-                "on this machine"
-            ) from error
-        threads = client.nthreads()
-        if not threads:
-            raise InputError(
-                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
-            )
-        if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
-            raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+        client = stack.enter_context(_connected(scheduler))
 
         def hear(event: tuple[float, Any]) -> None:
             report = event[1]

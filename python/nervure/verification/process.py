@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from time import process_time, time
 
@@ -109,6 +108,7 @@ class Verification:
         self.drift: float | None = None  # Of a finest run that is not settled
         self.problems: list[str] = []
         self.start = START  # Wall time that workers take to start, s
+        self.at_once = 1 if self.cpu else sweep.at_once(self.scheduler, self.workers)
         self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
 
     @property
@@ -163,7 +163,7 @@ class Verification:
             costs = sorted(map(self._cost, settings))
             if len(costs) > 1:
                 cheapest = min(cheapest, sum(costs[:2]))
-                if sum(costs) <= self.left:
+                if self._together(costs) <= self.left:
                     break
         else:
             settings = [one for one in settings if one.factors.keys() == {self.plan.first.name}]
@@ -179,12 +179,20 @@ class Verification:
         return sorted(settings, key=lambda one: one.work)
 
     def _announce(self, settings: Sequence[Setting]) -> None:
-        total, names = forecast.duration(sum(map(self._cost, settings))), "; ".join(one.name for one in settings)
+        total = forecast.duration(self._together([*map(self._cost, settings)]))
+        names = "; ".join(one.name for one in settings)
         self._say(f"{len(settings)} runs, about {total} of a budget of {forecast.duration(self.budget)}: {names}")
 
     def _cost(self, setting: Setting) -> float:
         """Return the expected wall time of a run, s; 0 for one that was made before."""
         return 0.0 if self._known(setting) else self.costs.of(setting.work)
+
+    def _together(self, costs: Sequence[float]) -> float:
+        """Return the expected wall time of runs, in turn or by workers where these are worth their start, s."""
+        total = sum(costs)
+        if self.at_once == 1 or (total < WORTH * self.start and self.scheduler is None):
+            return total
+        return self.start + max([*costs, total / self.at_once])
 
     def _left_out(self) -> str:
         return "; ".join(f"{name}: {why}" for name, why in self.plan.left_out.items())
@@ -214,7 +222,7 @@ class Verification:
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
         expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
         short = len(missing) == 1 or expected < WORTH * self.start or self.cpu
-        in_turn = short or (self.workers is None and not find_spec("distributed"))
+        in_turn = short or self.at_once == 1
         begin = time()
         with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
             rows = sweep.run(
