@@ -198,8 +198,8 @@ def measured(case: Case, folder: Path) -> dict[str, Any]:
     scene = validate(case.built())
     names, exact = list(case.options["names"]), dict(case.about["exact"])
     parameters = () if exact and scene.fluid else IN_SAME_BOX
-    how = {"workers": 1, "force": True, "cpu": True}
-    found = Verification(scene, folder / "runs", WITHIN, BUDGET, names, parameters, **how).run()
+    limits = folder / "runs", WITHIN, BUDGET, names, parameters
+    found = Verification(scene, *limits, workers=1, force=True, cpu=True).run()
     if found.verified is None:
         raise InputError("; ".join(found.problems))
     if "elastica" in exact:

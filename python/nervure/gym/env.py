@@ -275,7 +275,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         session.recorder.values.time = session.time
 
     def _observe(self) -> np.ndarray:
-        return self._read() * self._factors
+        seen: np.ndarray = self._read() * self._factors
+        return seen
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
