@@ -31,9 +31,9 @@ def judged(env: gymnasium.Env[np.ndarray, np.ndarray], control: Baseline) -> flo
     found = []
     for start in range(len(own.starts)):
         seen, info = env.reset(options={"start": start})
-        begin, total, over = info["time"], 0.0, False
+        total, over = 0.0, False
         while not over:
-            action = np.clip(control(seen, info["time"] - begin), space.low, space.high)
+            action = np.clip(control(seen, info["time"]), space.low, space.high)
             seen, reward, ended, truncated, info = env.step(action)
             total, over = total + float(reward), ended or truncated
         found.append(total)

@@ -107,6 +107,38 @@ def test_a_cache_keeps_the_starts_and_a_damaged_one_is_made_again(tmp_path, monk
             assert np.array_equal(episode(again, 1), expected)
 
 
+def test_a_controller_leads_to_the_starts_and_another_one_makes_them_anew(tmp_path):
+    def lead(_seen, time):
+        return np.array([0.3 if time > 0.05 else 0.1])
+
+    def follow(_seen, _time):
+        return np.array([0.1])
+
+    with plate(starts=(0.0, 0.2), before=lead, cache=tmp_path) as first, plate() as own:
+        own.reset(options={"start": 0})
+        for _ in range(2):
+            expected = own.step(lead(None, own.session.time))[0]
+        found = first.reset(options={"start": 1})[0]
+        assert np.array_equal(found, expected)
+        after = first.step(np.array([0.0]))[0]
+    for before, same in ((lead, True), (follow, False)):
+        with plate(starts=(0.0, 0.2), before=before, cache=tmp_path) as again:
+            assert np.array_equal(again.reset(options={"start": 1})[0], found) == same
+            assert np.array_equal(again.step(np.array([0.0]))[0], after) == same
+
+
+def test_a_flyer_hovers_by_its_classical_controller_and_falls_without_one():
+    with gym.tasks.hover() as env:
+        heights = []
+        for control in (gym.BASELINES["nervure/Hover-v0"], lambda _seen, _time: np.zeros(4)):
+            seen, info = env.reset(options={"start": 0})
+            for _ in range(30):
+                seen, *_, info = env.step(control(seen, info["time"]))
+            heights.append(seen[0])
+    print(heights)
+    assert abs(heights[0]) < 0.2 and heights[1] < -0.4
+
+
 def test_a_picture_is_that_of_the_flow(env):
     env.reset(seed=0)
     first = env.render()
@@ -201,7 +233,7 @@ def test_a_policy_acts_in_a_run_as_it_does_in_its_environment():
 def test_a_task_is_registered_and_its_classical_controller_acts_in_its_range(name):
     env = gymnasium.make(name)
     seen, info = env.reset(seed=0)
-    action = gym.BASELINES[name](seen, 0.3)
+    action = gym.BASELINES[name](seen, info["time"])
     assert env.action_space.contains(np.clip(action, env.action_space.low, env.action_space.high))
     assert np.isfinite(env.step(action)[1])
     env.close()

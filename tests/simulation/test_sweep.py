@@ -67,7 +67,7 @@ def cluster(tmp_path_factory):
             quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
             processes.append(subprocess.Popen([*start, "--scheduler-file", file], **quiet))
         deadline = time.monotonic() + 60
-        while not file.exists() and time.monotonic() < deadline:
+        while not (file.exists() and file.stat().st_size) and time.monotonic() < deadline:
             time.sleep(0.1)
         address = json.loads(file.read_text())["address"]
         with Client(address) as client:
@@ -276,6 +276,13 @@ def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
 def test_a_folder_is_named_by_its_values(variation, folders, fluid_only):
     cases = sweep.grid([fluid_only], [sweep.variation(variation)])
     assert all(case.folder.startswith(folder) and len(case.folder) <= 100 for case, folder in zip(cases, folders))
+
+
+def test_a_value_with_and_without_a_point_makes_one_run_unless_the_key_is_one_of_whole_numbers(rod_only):
+    cases = sweep.grid([rod_only], [sweep.variation("rod.gravity=[[0, -1], [0.0, -1.0], [0, -1.5]]")])
+    assert [case.varied["rod.gravity"] for case in cases] == [[0, -1], [0, -1.5]]
+    refused = sweep.grid([rod_only], [sweep.variation("beam.segments=8,8.0")])
+    assert [case.varied["beam.segments"] for case in refused] == [8, 8.0]
 
 
 def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):

@@ -3,6 +3,7 @@
 import copy
 import json
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +14,7 @@ from nervure import InputError
 from nervure.evaluate.statistics import Window
 from nervure.scene import validate
 from nervure.simulation import sweep, verified
+from nervure.simulation.verified import Quantity
 from nervure.verification import process
 from nervure.verification.plan import Plan, scaled
 from nervure.verification.process import chosen
@@ -97,8 +99,8 @@ def test_the_bar_under_its_weight_is_verified_by_one_command(bar, tmp_path):
 
 def test_a_fluid_is_verified_within_its_budget(tmp_path):
     scene = validate(copy.deepcopy(FLUID_ONLY) | {"time": {"end": 0.1, "communication_step": 2e-3}})
-    found = quietly(scene, tmp_path, within=1e-6, budget=1.2)
-    spent = sum(row["wall_s"] for _, row in found.runs)
+    found = process.Verification(scene, tmp_path, 1e-6, 1.2, cpu=True).run()  # Beside other work too
+    spent = sum(row["cpu_s"] for _, row in found.runs)
     print(spent, found.problems)
     assert not found.reached and any("the budget ended" in problem for problem in found.problems)
     assert {"cells", "c_eta", "box"} <= set(found.verified.quantities["drag_mean"].shares)
@@ -211,6 +213,25 @@ def test_a_parameter_of_small_effect_on_a_coarse_run_is_not_varied_on_a_finer_on
     assert ("cells=1.41,c_eta=2" in wanted) == again
 
 
+def test_what_makes_most_of_a_bar_is_varied_on_however_many_small_bars_make_it(tmp_path):
+    """Three bars of two thirds of the tolerance make one that is too wide, and none alone is much."""
+    flag = known_flag(tmp_path, 1e-3)
+    share = flag._found()["drag_mean"].shares["cells"]
+    bars = {"cells": 0.0133, "segments": 0.0131, "c_eta": 0.0132}
+    shares = {name: replace(share, uncertainty=bar) for name, bar in bars.items()}
+    wide = [Quantity(1.0, 1.0, 0.0229, 1.0, "N", shares)]
+    assert [process._matters(wide, name, 0.02 / 2**0.5) for name in bars] == [True, False, False]
+
+
+def test_a_verification_that_no_further_run_helps_says_so_below_its_budget(bar, tmp_path, monkeypatch):
+    monkeypatch.setattr(process.Verification, "_next_round", lambda *_: [])
+    found = quietly(bar, tmp_path, within=1e-6)
+    print(found.problems)
+    assert not found.reached
+    (said,) = [problem for problem in found.problems if "the budget is not used up" in problem]
+    assert "comes mostly from segments, and no further run narrows that" in said
+
+
 def test_workers_that_were_slow_to_start_are_not_started_again_for_short_runs(bar, tmp_path, monkeypatch):
     clock, asked = [0.0], []
 
@@ -228,3 +249,13 @@ def test_workers_that_were_slow_to_start_are_not_started_again_for_short_runs(ba
         found._make(settings)
     print(asked, found.start)
     assert asked == [2, 1] and found.start == 50.0
+
+
+@pytest.mark.filterwarnings("default")  # For those of Dask
+def test_workers_of_a_scheduler_find_what_this_process_does(bar, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+        found = nervure.verify(bar, tmp_path / "two", scheduler=cluster.scheduler_address, quiet=True)
+        assert sweep.at_once(cluster.scheduler_address, None) == 2
+    own = quietly(bar, tmp_path / "one")
+    assert found.reached and found.verified.quantities == own.verified.quantities

@@ -100,20 +100,18 @@ class WithinStep:
                 self.parts.append((unit.inputs, *np.array(places).T))
         self.keep()
 
-    def _values(self) -> list[np.ndarray]:
-        return [np.array([inputs[own], inputs[rates]]) for inputs, own, rates in self.parts]
-
     def keep(self) -> None:
         """Take the present values for those at the beginning of the next step."""
-        self.first = self._values()
+        self.first = [inputs.copy() for inputs, _, _ in self.parts]
 
     def aim(self) -> None:
         """Take the present values for those at the end of the step."""
-        self.last = self._values()
+        self.last = [inputs.copy() for inputs, _, _ in self.parts]
 
     def move(self, share: float, h: float) -> None:
         """Set the inputs to what they are after a share of a step of `h` (s)."""
-        for (inputs, own, rates), (x, v), (x_end, v_end) in zip(self.parts, self.first, self.last, strict=True):
+        for (inputs, own, rates), first, last in zip(self.parts, self.first, self.last, strict=True):
+            x, v, x_end, v_end = first[own], first[rates], last[own], last[rates]
             way, linear = x_end - x, x + share * (x_end - x)
             bend = share * (1 - share) * ((1 - share) * (h * v - way) - share * (h * v_end - way))
             inputs[own] = x_end if share == 1.0 else np.where(own == rates, linear, linear + bend)

@@ -126,33 +126,36 @@ class EnergyGuard:
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
         self.warned = 0.0  # Largest difference of which the run has warned, by the exchanged power
-        self._balance = Balance()
+        self._sums = [*Balance()]  # A step changes a list faster than it makes a tuple
 
     @property
     def balance(self) -> Balance:
         """What the guard has seen so far."""
         self._evaluate_speeds()
-        return self._balance
+        return Balance(*self._sums)
 
     @balance.setter
     def balance(self, balance: Balance) -> None:
-        self._balance = balance
+        self._sums = [*balance]
 
     def check(self, t: float, h: float) -> None:
         """Add the powers at `t`, after a step of `h` (s); raise `CouplingError` where a limit is exceeded."""
         window = self.guards.window_steps
         on_rod = self.rod.outputs.item(self.power_on_rod)
-        steps, difference, exchanged, last, last_but_one, rate, *own = self._balance
+        steps, difference, exchanged, last, last_but_one, rate, own_difference, own_exchanged = self._sums
         if steps % window == 0:
-            own = [0.0, 0.0]
+            own_difference = own_exchanged = 0.0
         elif steps < window:  # A violent start is forgotten
-            own = [total - total / max(RECENT * steps, 1.0) for total in own]
+            recent = max(RECENT * steps, 1.0)
+            own_difference -= own_difference / recent
+            own_exchanged -= own_exchanged / recent
         from_fluid = self.fluid.outputs.item(self.power_from_fluid) if self.momentum else on_rod
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
         exchanged += abs(from_fluid) - exchanged / window
-        own = [own[0] + deviation, own[1] + abs(from_fluid)]
-        self._balance = Balance(steps + 1, difference, exchanged, on_rod, last, rate, *own)
+        own_difference += deviation
+        own_exchanged += abs(from_fluid)
+        self._sums = [steps + 1, difference, exchanged, on_rod, last, rate, own_difference, own_exchanged]
         if self._speeds and self._speeds.keep():
             self._evaluate_speeds()
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
@@ -231,7 +234,8 @@ class EnergyGuard:
     def _evaluate_speeds(self) -> None:
         """Take the speeds that are kept into the balance."""
         if self._speeds and self._speeds.count:
-            self._balance = self._balance._replace(rate=max(self._speeds.largest(), self._balance.rate))
+            rate = Balance._fields.index("rate")
+            self._sums[rate] = max(self._speeds.largest(), self._sums[rate])
 
     @cached_property
     def _speeds(self) -> Speeds | None:

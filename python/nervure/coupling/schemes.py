@@ -145,6 +145,11 @@ class Link:
     rod_loads: np.ndarray  # Loads as inputs of the rod
 
 
+def _parts(length: float, holds: float) -> int:
+    """Return in how many equal exchanges loads that hold for `holds` (s) cover `length` (s)."""
+    return max(1, math.ceil(length / holds - ROUNDING))
+
+
 class Explicit(Scheme):
     """One exchange for each step of the fluid: the rods step first, then the fluid. A wing is exchanged as a rod."""
 
@@ -170,7 +175,7 @@ class Explicit(Scheme):
                 for rod, beam in zip(self.rods, self.prefixes, strict=True)
             ]
         announced = [v.name for v in fluid.variables.values() if v.causality == "output" and "impedance" in v.name]
-        self.longest = fluid.reader([LONGEST]) if announced and LONGEST in fluid.variables else None
+        self.longest = fluid.scalars_reader([LONGEST]) if announced and LONGEST in fluid.variables else None
         self.driven = WithinStep(self.units, self.left)
 
     def _connect(self, guards: Guards | None) -> list[Link]:
@@ -247,22 +252,24 @@ class Explicit(Scheme):
             self.give_stations()
         self.fluid.step(t, h)
 
-    def parts(self, length: float) -> int:
-        """Return in how many equal exchanges the announced loads hold for `length` (s)."""
-        return max(1, math.ceil(length / self.longest().item() - ROUNDING)) if self.longest else 1
-
     def step(self, t: float, h: float) -> int:
         exchanges, left, part = 0, h, self.last or h
-        # The fluid announces the loads of a step as long as the last one, or divided: longer ones are seldom.
-        if 2 * self.parts(h) <= h / part * (1 + ROUNDING):
-            part = h
-        self.driven.aim()
         while left > 0.0:
-            count = max(1, math.ceil(left / part * self.parts(part) - ROUNDING))
-            part = left / count
-            begin, left = h - left, left - part if count > 1 else 0.0
-            self.driven.move(1.0 - left / h, h)
-            self.exchange(t + begin, part)
+            holds = self.longest().item() if self.longest else math.inf
+            # The fluid announces the loads of a step as long as the last one, or divided: longer ones are seldom.
+            if not exchanges and 2 * _parts(h, holds) <= h / part * (1 + ROUNDING):
+                part = h
+            count = max(1, math.ceil(left / part * _parts(part, holds) - ROUNDING))
+            if count == 1 and not exchanges:  # The driven inputs are at the end of the step already
+                part, left = h, 0.0
+                self.exchange(t, h)
+            else:
+                if not exchanges:
+                    self.driven.aim()
+                part = left / count
+                begin, left = h - left, left - part if count > 1 else 0.0
+                self.driven.move(1.0 - left / h, h)
+                self.exchange(t + begin, part)
             exchanges += 1
         self.driven.keep()
         self.last = part

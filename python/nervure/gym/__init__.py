@@ -11,10 +11,10 @@ require("gymnasium", "an environment")
 
 from gymnasium.envs.registration import register  # noqa: E402
 
-from nervure.gym.env import Action, Env, Reward, Values  # noqa: E402
-from nervure.gym.tasks import BASELINES, Baseline  # noqa: E402
+from nervure.gym.env import Action, Baseline, Env, Reward, Values  # noqa: E402
+from nervure.gym.tasks import BASELINES  # noqa: E402
 
 __all__ = ["BASELINES", "Action", "Baseline", "Env", "Reward", "Values"]
 
-for name, function, episode in (("Swimmer", "swimmer", 200), ("Flag", "flag", 200), ("Wake", "wake", 150)):
-    register(f"nervure/{name}-v0", f"nervure.gym.tasks:{function}", max_episode_steps=episode)
+for name, episode in (("Swimmer", 200), ("Flag", 200), ("Wake", 150), ("Hover", 200)):
+    register(f"nervure/{name}-v0", f"nervure.gym.tasks:{name.lower()}", max_episode_steps=episode)

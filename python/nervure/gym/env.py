@@ -25,7 +25,10 @@ LAGS = 1e-100, 1e100
 """Shortest and longest lag, s, whose square is a number."""
 
 Values = Mapping[str, float]
+Plan = list[tuple[np.ndarray, Any, np.ndarray]]  # For each unit its inputs, an index of them, and values over time
 Reward = Callable[[Values, np.ndarray], float]
+Baseline = Callable[[np.ndarray, float], np.ndarray]
+"""A controller: the action after an observation at a time, s."""
 
 
 @dataclass(frozen=True)
@@ -62,31 +65,37 @@ class Servos:
                     f"the action {own.name} has the range {own.low:g} to {own.high:g} and the lag {own.lag:g} s, but "
                     f"the range must be finite and not empty, and the lag from {LAGS[0]:g} to {LAGS[1]:g} s"
                 )
-        # Places from the target, then speeds, over time: by the first distance, and by the first speed.
+        # Places from the target and speeds over time, `[times, 2, actions]`: by the first distance, by the first speed.
         t, omega = times[:, None], np.array([1 / own.lag for own in actions])
         decay = np.exp(-omega * t)
-        self._by_place = np.hstack([(1 + omega * t) * decay, -omega * omega * t * decay])
-        self._by_speed = np.hstack([t * decay, (1 - omega * t) * decay])
-        self._twice = [*range(len(actions))] * 2
+        self._by_place = np.stack([(1 + omega * t) * decay, -omega * omega * t * decay], axis=1)
+        self._by_speed = np.stack([t * decay, (1 - omega * t) * decay], axis=1)
         self.places = np.array([driver[own.name] for own in actions])
         self.speeds = np.zeros(len(actions))
         columns = [(own.name, i) for i, own in enumerate(actions)]
         columns += [(rate, len(actions) + i) for i, own in enumerate(actions) if (rate := driver.rates[own.name])]
-        by_unit: dict[int, tuple[np.ndarray, list[int], list[int]]] = {}
+        by_unit: dict[int, tuple[np.ndarray, dict[int, int]]] = {}
         for name, column in columns:
             inputs, place = driver.places[name]
-            _, places, chosen = by_unit.setdefault(id(inputs), (inputs, [], []))
-            places.append(place)
-            chosen.append(column)
-        self._written = [(inputs, np.array(places), chosen) for inputs, places, chosen in by_unit.values()]
+            by_unit.setdefault(id(inputs), (inputs, {}))[1][place] = column
+        self._written = [
+            (inputs, _run(sorted(at)), _run([at[k] for k in sorted(at)])) for inputs, at in by_unit.values()
+        ]
 
-    def plan(self, targets: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    def plan(self, targets: np.ndarray) -> Plan:
         """Go towards `targets`; return for each unit its inputs, places in them, and the values at the times, `[times,
         places]`."""
-        both = self._by_place * (self.places - targets)[self._twice] + self._by_speed * self.speeds[self._twice]
-        both[:, : targets.size] += targets
-        self.places, self.speeds = both[-1, : targets.size], both[-1, targets.size :]
-        return [(inputs, places, both[:, chosen]) for inputs, places, chosen in self._written]
+        both = self._by_place * (self.places - targets) + self._by_speed * self.speeds
+        both[:, 0] += targets
+        self.places, self.speeds = both[-1]
+        rows = both.reshape(len(both), -1)
+        return [(inputs, places, rows[:, chosen]) for inputs, places, chosen in self._written]
+
+
+def _run(numbers: list[int]) -> Any:
+    """Return an index of numbers: a slice where they follow each other, which NumPy takes faster."""
+    first, count = numbers[0], len(numbers)
+    return slice(first, first + count) if numbers == [*range(first, first + count)] else np.array(numbers)
 
 
 class Start:
@@ -116,6 +125,7 @@ class Start:
     def write(self, path: Path) -> None:
         """Write the state, which is the present one, into a file."""
         arrays = {f"scheme_{name}": array for name, array in self.memory.items()} | dict(_exchanged(self.session))
+        arrays["servos"] = np.array([self.places, self.speeds])
         for name, unit in self.session.units.items():
             arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
 
@@ -133,8 +143,9 @@ def _exchanged(session: Session) -> list[tuple[str, np.ndarray]]:
     return [(f"{name}_{part}", getattr(unit, part)) for name, unit in session.units.items() for part in parts]
 
 
-def _read(session: Session, path: Path) -> bool:
-    """Put a started session into the state in a file; return False where it holds none of these units."""
+def _read(session: Session, servos: Servos, path: Path) -> bool:
+    """Put a started session and its servos into the state in a file; return False where it holds none of these
+    units."""
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as kept:
             arrays = dict(kept)
@@ -142,6 +153,7 @@ def _read(session: Session, path: Path) -> bool:
             unit.deserialize(arrays[f"{name}_state"].tobytes())
         for name, own in _exchanged(session):
             own[:] = arrays[name]
+        servos.places, servos.speeds = arrays["servos"]
     except (OSError, ValueError, KeyError, UnitError, BadZipFile):
         return False
     memory = [(name, array) for name, array in arrays.items() if name.startswith("scheme_")]
@@ -149,14 +161,23 @@ def _read(session: Session, path: Path) -> bool:
     return True
 
 
+def _source(function: Callable[..., Any]) -> list[Any]:
+    """Return what shows a change of a function: its name, its code, and the numbers that it takes from its module."""
+    code = getattr(function, "__code__", None)
+    if code is None:
+        return [function]
+    around = {name: value for name in code.co_names if isinstance(value := function.__globals__.get(name), int | float)}
+    return [function.__qualname__, code.co_code.hex(), code.co_consts, around]
+
+
 class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     """An environment of `scene`: each step sets the targets of `actions` and makes `steps` communication steps.
 
     An observation has the columns of the series, and driven inputs as `root.y`, that are the keys of `observed`, each
     by its scale there. `reward(values, action)` sees all of them at the end of the step. An episode begins at one of
-    the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still. It ends
-    where `ends(values)` is true, or with the reward `failed` where a unit fails. The folder `cache` keeps the states of
-    the starts for other processes.
+    the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still, or follow
+    the controller `before`, in whole steps. It ends where `ends(values)` is true, or with the reward `failed` where a
+    unit fails. The folder `cache` keeps the states of the starts for other processes.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - as in its base
@@ -170,6 +191,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         *,
         steps: int = 10,
         starts: Sequence[float] = (0.0,),
+        before: Baseline | None = None,
         ends: Callable[[Values], bool] = lambda _values: False,
         failed: float = 0.0,
         cache: str | Path | None = None,
@@ -188,45 +210,57 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         if len(starts) == 0:
             raise InputError("there are no starts, but an episode needs one")
         self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, int(steps), ends
-        self.failed, self.render_mode, self.closed = failed, render_mode, False
+        self.failed, self.before, self.render_mode, self.closed = failed, before, render_mode, False
+        self.low, self.high = (np.array([getattr(own, end) for own in self.actions]) for end in ("low", "high"))
         self.session = Session(with_files(scene), drive=stand_still)  # Servos set its inputs
         try:
             times = self.session.grid.communication_step * np.arange(1, steps + 1)
             self.servos = Servos(self.actions, self.session, times)
-            self.starts = self._make_starts(starts, None if cache is None else Path(cache))
             self.values = self.session.recorder.values
             self.observed = [(name, 1 / scale) for name, scale in observed.items()]
-            self._observe()
+            self._read = self.values.reader([*observed])
+            self._factors = np.array([factor for _, factor in self.observed])
+            self.starts = self._make_starts(starts, None if cache is None else Path(cache))
         except BaseException:
             self.session.close()
             raise
-        self.low, self.high = (np.array([getattr(own, end) for own in self.actions]) for end in ("low", "high"))
         self.action_space = Box(self.low, self.high, dtype=np.float64)
         self.observation_space = Box(-np.inf, np.inf, (len(self.observed),), np.float64)
 
     def _make_starts(self, times: Sequence[float], cache: Path | None) -> list[Start]:
         """Step to each of `times`, s, or read the state from the folder `cache`, and keep it."""
         session, found = self.session, {}
-        guids = " ".join(unit.description.guid for unit in session.units.values())
-        units = hashlib.blake2b(guids.encode(), digest_size=16).hexdigest()
+        made_by = [unit.description.guid for unit in session.units.values()]
+        if self.before:
+            made_by += [self.steps, *self.actions, *self.observed, *_source(self.before)]
+        digest = hashlib.blake2b(" ".join(map(str, made_by)).encode(), digest_size=16).hexdigest()
         session.start()
         for unit in session.units.values():
             unit.all_in_step = False
         for time in sorted(times):
-            steps = round(time / session.grid.communication_step)
-            path = cache and cache / f"{units}-{steps}.npz"
+            whole = self.steps if self.before else 1
+            steps = whole * round(time / session.grid.communication_step / whole)
+            path = cache and cache / f"{digest}-{steps}.npz"
             before = Start(session, self.servos)
-            if read := path is not None and _read(session, path):
+            if read := path is not None and _read(session, self.servos, path):
                 session.steps, session.time = steps, steps * session.grid.communication_step
             else:
                 before.restore()
+                while self.before and session.steps < steps:
+                    self._follow(self.before(self._observe(), session.time))
                 self._advance(steps - session.steps, [])
             found[time] = Start(session, self.servos)
             if path and not read:
                 found[time].write(path)
         return [found[time] for time in times]
 
-    def _advance(self, steps: int, plan: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
+    def _follow(self, targets: np.ndarray) -> np.ndarray:
+        """Make a step towards targets; return those within the ranges."""
+        targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
+        self._advance(self.steps, self.servos.plan(targets))
+        return targets
+
+    def _advance(self, steps: int, plan: Plan) -> None:
         """Make communication steps by a plan of the servos."""
         session, h = self.session, self.session.grid.communication_step
         scheme = session.scheme
@@ -241,11 +275,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         session.recorder.values.time = session.time
 
     def _observe(self) -> np.ndarray:
-        values = self.values
-        try:
-            return np.array([values[name] * factor for name, factor in self.observed])
-        except KeyError as error:
-            raise InputError(error.args[0]) from None
+        seen: np.ndarray = self._read() * self._factors
+        return seen
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -272,9 +303,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             targets = np.array(math.nan)
         if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
             raise InputError(f"the action is {action!r}, but must be {len(self.actions)} finite numbers")
-        targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
         try:
-            self._advance(self.steps, self.servos.plan(targets))
+            targets = self._follow(targets)
             self._last = self._observe()
         except (UnitError, CouplingError) as failure:
             return self._last, self.failed, True, False, {"time": self.session.time, "error": str(failure)}

@@ -1,12 +1,13 @@
 """Recorder of the scalar outputs of units over time, in one table that is allocated before the run."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from nervure.catalogue import hint
+from nervure.errors import InputError
 from nervure.units.fmu import Unit
 
 MAX_ROWS = 200_000  # Largest number of rows: a longer run is recorded at every second, third, … step
@@ -38,6 +39,32 @@ class Values(Mapping[str, float]):
             if unit.stale:
                 unit.fetch(output)
         return float(values.item(place))
+
+    def reader(self, names: Sequence[str]) -> Callable[[], np.ndarray]:
+        """Return a function that reads columns at once, faster than one by one. Raise `InputError` for no column."""
+        if unknown := [name for name in names if name != "time" and name not in self.places]:
+            raise InputError(f"there is no column `{unknown[0]}`: {hint(unknown[0], self)}")
+        fetched: dict[int, tuple[Unit, list[str], list[int]]] = {}
+        held = []
+        for i, name in enumerate(names):
+            unit, output = self.outputs.get(name, (None, ""))
+            if unit and unit.variables[output].kind == "Real":
+                _, outputs, places = fetched.setdefault(id(unit), (unit, [], []))
+                outputs.append(output)
+                places.append(i)
+            else:
+                held.append((name, i))
+        parts = [(unit.scalars_reader(outputs), np.array(places)) for unit, outputs, places in fetched.values()]
+
+        def read() -> np.ndarray:
+            found = np.empty(len(names))
+            for one, places in parts:
+                found[places] = one()
+            for name, i in held:
+                found[i] = self[name]
+            return found
+
+        return read
 
     def __iter__(self) -> Iterator[str]:
         return iter(["time", *self.places])

@@ -20,12 +20,15 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
+from importlib.util import find_spec
 from multiprocessing import resource_tracker
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from time import perf_counter, process_time, time
 from types import ModuleType
 from typing import Any
+
+from pydantic import ValidationError
 
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
@@ -165,11 +168,28 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
 
 
 def key_of(scene: Document) -> str:
-    """Return a digest of a scene and the libraries of its units."""
-    digest = hashlib.sha256(text(scene).encode())
+    """Return a digest of a scene and the libraries of its units; 1 and 1.0 are the same where a key may be either."""
+    digest = hashlib.sha256(text(_alike(scene)).encode())
     for kind in dict.fromkeys(unit_kinds(scene).values()):
         digest.update(_library_digest(library(kind), library(kind).stat().st_mtime_ns))
     return digest.hexdigest()
+
+
+def _alike(scene: Document) -> Document:
+    """Return a scene with whole numbers as integers; a scene whose types do not fit as it is, as 8.0 may be no 8."""
+
+    def whole(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: whole(part) for key, part in value.items()}
+        if isinstance(value, list):
+            return [whole(part) for part in value]
+        return int(value) if isinstance(value, float) and value.is_integer() else value
+
+    try:
+        Scene.model_validate(scene)
+    except ValidationError:
+        return scene
+    return {key: whole(part) for key, part in scene.items()}
 
 
 @cache
@@ -217,16 +237,22 @@ def _run_on_worker(scene: Document, folder: Path, deadline: float) -> Row:
 
 
 def run_case(
-    scene: Document, folder: Path, deadline: float = math.inf, tell: Callable[[int], None] = lambda _: None
+    scene: Document,
+    folder: Path,
+    deadline: float = math.inf,
+    tell: Callable[[int], None] = lambda _: None,
+    by_cpu: bool = False,
 ) -> Row:
-    """Run a case and return its row; packing and pictures, which outlast a short run, are left out."""
+    """Run a case and return its row; packing and pictures, which outlast a short run, are left out. The deadline is a
+    time of the wall, or of the processor."""
+    now = process_time if by_cpu else time
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
         with Session(validate(scene), folder) as session:
             session.observers = [Reporter(tell)]
-            status = session.run(lambda: time() > deadline)
+            status = session.run(lambda: now() > deadline)
             summary = session.finish().summary
         if status.stopped:
             row = {"status": STOPPED, "reason": f"at t = {status.simulated:g} s: it took longer than was left for it"}
@@ -260,6 +286,7 @@ def run(
     workers: int | None = None,
     admit: Callable[[Case], bool] = lambda _: True,
     deadline: float = math.inf,
+    by_cpu: bool = False,
 ) -> list[Row]:
     """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
     rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it. Without a
@@ -267,7 +294,7 @@ def run(
 
     `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done. A run
     begins only if `admit` returns True right before, and ends at the `deadline`, seconds since the epoch. One run at a
-    time with a deadline is made in this process.
+    time with a deadline is made in this process, and the deadline then may be one of its processor time, `by_cpu`.
     """
     rows = {case.folder: earlier_row(case, folder) for case in cases}
     todo = missing_cases(cases, folder, False) if todo is None else todo
@@ -302,7 +329,7 @@ def run(
             if todo and scheduler is None and workers == 1 and deadline < math.inf:
                 for case in filter(admit, todo):
                     place = (folder / case.folder).resolve()
-                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder)))
+                    keep(case, run_case(case.scene, place, deadline, partial(reached, case.folder), by_cpu))
             elif todo:
                 _distribute(todo, folder, scheduler, workers, reached, keep, admit, deadline)
     except OSError as error:
@@ -361,6 +388,37 @@ def _main_not_imported() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
+def at_once(scheduler: str | None, workers: int | None) -> int:
+    """Return how many runs go on at once: the workers of a `scheduler`, or else at most `workers` of this machine."""
+    if scheduler is None:
+        return workers or (require("dask.system", "a sweep").CPU_COUNT if find_spec("distributed") else 1)
+    with _connected(scheduler) as client:
+        return len(client.nthreads())
+
+
+@contextmanager
+def _connected(scheduler: Any) -> Iterator[Any]:
+    """Yield a client of a scheduler, given by its address or as a cluster; raise `InputError` where none answers, or
+    where it has no workers of one thread."""
+    distributed = require("distributed", "a sweep")
+    try:
+        client = distributed.Client(scheduler, timeout=CONNECT_S)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are on "
+            "this machine"
+        ) from error
+    with client:
+        threads = client.nthreads()
+        if not threads:
+            raise InputError(
+                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
+            )
+        if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
+            raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+        yield client
+
+
 def _distribute(
     cases: Sequence[Case],
     folder: Path,
@@ -378,28 +436,13 @@ def _distribute(
     with ExitStack() as stack:
         check = stack.enter_context(_interruption())
         if scheduler is None:
-            from dask.system import CPU_COUNT
-
             # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
             options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
-            size = {"n_workers": min(workers or CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
+            size = {"n_workers": min(at_once(None, workers), len(cases)), "threads_per_worker": 1, "memory_limit": None}
             stack.enter_context(_main_not_imported())
             with _without_interrupts():
                 scheduler = stack.enter_context(distributed.LocalCluster(**size, **options))
-        try:
-            client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
-        except (OSError, ValueError) as error:
-            raise InputError(
-                f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are "
-                "on this machine"
-            ) from error
-        threads = client.nthreads()
-        if not threads:
-            raise InputError(
-                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
-            )
-        if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
-            raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+        client = stack.enter_context(_connected(scheduler))
 
         def hear(event: tuple[float, Any]) -> None:
             report = event[1]

@@ -34,6 +34,15 @@ DESCRIPTION = "modelDescription.xml"
 MOST_FILES, MOST_BYTES, MOST_DESCRIPTION = 10_000, 2 << 30, 256 << 20  # Of an unpacked FMU
 
 
+EXCHANGE = {
+    2: ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p),
+    3: ctypes.CFUNCTYPE(
+        ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t
+    ),
+}
+"""Functions that set or get values, by version: instance, references, their number, values, in FMI 3.0 their number."""
+
+
 @dataclass
 class Variable:
     """A scalar variable, or an array: `name[1] … name[n]` in FMI 2.0, one variable of `n` values in FMI 3.0."""
@@ -86,6 +95,7 @@ class Unit:
         self._step: tuple[float, float] | None = None  # The last step: its time and its length, s
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
         self.kept: list[ctypes.c_void_p] = []  # Those of `keep`
+        self._references: list[np.ndarray] = []  # Whose addresses are arguments of calls
         _messages[name].clear()
         self.description = read_description(path)
         self.version = version_of(self.description)
@@ -126,11 +136,16 @@ class Unit:
         self.connect([], [])
 
     def _bind(self) -> None:
-        """Bind the calls of the loop to the library: the wrappers of fmpy double the cost of the exchange."""
+        """Bind the calls of the loop to the library: the wrappers of fmpy double the cost of the exchange, and to check
+        its types of arguments takes longer than to take addresses."""
         library, two = self.fmu.dll, self.version == 2
-        self._set_reals = library.fmi2SetReal if two else library.fmi3SetFloat64
-        self._get_reals = library.fmi2GetReal if two else library.fmi3GetFloat64
-        self._get_integers = library.fmi2GetInteger if two else library.fmi3GetInt32
+
+        def bound(name: str) -> Callable[..., int]:
+            return EXCHANGE[2 if two else 3](ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0)
+
+        self._set_reals = bound("fmi2SetReal" if two else "fmi3SetFloat64")
+        self._get_reals = bound("fmi2GetReal" if two else "fmi3GetFloat64")
+        self._get_integers = bound("fmi2GetInteger" if two else "fmi3GetInt32")
         self._do_step = library.fmi2DoStep if two else library.fmi3DoStep
         self._get_state = self.fmu.fmi2GetFMUstate if two else self.fmu.fmi3GetFMUState
         self._flags = [] if two else [ctypes.c_bool() for _ in ("event", "end", "early return")]
@@ -176,12 +191,11 @@ class Unit:
         return values, self._arguments(names, values)
 
     def _arguments(self, names: list[str], values: np.ndarray) -> tuple[Any, ...]:
-        """Return the arguments of the C function that sets or gets `names`, from or into `values`. The methods of fmpy
-        take lists, which are copied element by element."""
+        """Return the arguments of the C function that sets or gets `names`, from or into `values`, which the caller
+        keeps. The methods of fmpy take lists, which are copied element by element."""
         references = np.array([reference for name in names for reference in self.variables[name].references], np.uintc)
-        references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
-        values_at = values.ctypes.data_as(ctypes.POINTER(np.ctypeslib.as_ctypes_type(values.dtype)))
-        arguments = (self.fmu.component, references_at, references.size, values_at)
+        self._references.append(references)
+        arguments = (self.fmu.component, references.ctypes.data, references.size, values.ctypes.data)
         return arguments if self.version == 2 else (*arguments, values.size)
 
     def set(self) -> None:
@@ -220,7 +234,8 @@ class Unit:
     def step(self, t: float, h: float) -> None:
         """Set the inputs, step from `t` to `t + h` (s), and fetch the outputs, all or only those for the next step."""
         self._step = t, h
-        self.set()
+        if (status := self._set_reals(*self._set_arguments)) > FMI_WARNING:
+            self._check(status, "refused its inputs")
         start = perf_counter()
         status = self._do_step(self.fmu.component, t, h, 1, *self._step_results)
         self.seconds += perf_counter() - start
@@ -231,9 +246,11 @@ class Unit:
         if self.all_in_step:
             self.get()
         else:
-            self.get_exchanged()
+            if (status := self._get_reals(*self._get_part_arguments)) > FMI_WARNING:
+                self._check(status, "gave no outputs")
             self.stale = True
-        self.check_outputs(t + h)
+        if not self.outputs.dot(self.outputs) < LARGEST**2:
+            self.check_outputs(t + h)
 
     def check_outputs(self, t: float) -> None:
         """Raise `UnitFailure` where an output at `t` (s) is no finite number, or one that is exchanged is absurd."""
@@ -296,6 +313,17 @@ class Unit:
         def read() -> np.ndarray:
             self._check(self._get_reals(*arguments), "gave no outputs")
             return values.reshape(len(names), -1).T.copy()
+
+        return read
+
+    def scalars_reader(self, names: Sequence[str]) -> Callable[[], np.ndarray]:
+        """Return a function that reads scalar Real variables into an array, the same one at each call."""
+        values, arguments = self._buffer([*names], ctypes.c_double)
+
+        def read() -> np.ndarray:
+            if (status := self._get_reals(*arguments)) > FMI_WARNING:
+                self._check(status, "gave no outputs")
+            return values
 
         return read
 

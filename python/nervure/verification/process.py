@@ -1,13 +1,12 @@
 """A verification: runs in rounds, from the cheap ones on, until the bars are narrow enough or the budget ends."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
-from time import time
+from time import process_time, time
 
 from nervure.catalogue import hint
 from nervure.errors import InputError, SceneError, UnitError
@@ -47,12 +46,13 @@ class Costs:
     finished: list[tuple[float, float]] = field(default_factory=list)  # Work and wall time, s
     paces: list[tuple[float, float]] = field(default_factory=list)  # The same, expected
 
-    def measure(self, setting: Setting) -> None:
+    def measure(self, setting: Setting, now: Callable[[], float]) -> None:
         """Measure the pace of a setting by its first steps, with the time until these begin."""
-        begin = time()
+        begin, wall = now(), time()
         with suppress(UnitError), Session(setting.scene) as session:  # A run that fails at once says so later
-            ready = time() - begin
-            self.paces.append((setting.work, ready + forecast.measured(session, TRIED)))
+            ready = now() - begin
+            expected = forecast.measured(session, TRIED)
+            self.paces.append((setting.work, ready + expected * (now() - begin) / (time() - wall)))
 
     def of(self, work: float) -> float:
         """Return the expected wall time of a run, s."""
@@ -86,16 +86,18 @@ class Verification:
     scene: Scene
     folder: Path
     within: float
-    budget: float  # Wall time, s
+    budget: float  # Time, s
     quantities: Sequence[str] = ()
     parameters: Sequence[str] = ()
     workers: int | None = None
     scheduler: str | None = None
     force: bool = False
     console: Console = field(default_factory=partial(shown.text_console, quiet=True))
+    cpu: bool = False  # Whether times are those of this process, which makes all runs in turn, not of the wall
 
     def __post_init__(self) -> None:
-        self.begin = time()
+        self.now, self.clock = (process_time, "cpu_s") if self.cpu else (time, "wall_s")
+        self.begin = self.now()
         self.plan, self.costs = Plan(self.scene, self.parameters), Costs()
         self.settings: dict[str, Setting] = {}
         self.rows: dict[str, Row] = {}
@@ -106,12 +108,13 @@ class Verification:
         self.drift: float | None = None  # Of a finest run that is not settled
         self.problems: list[str] = []
         self.start = START  # Wall time that workers take to start, s
+        self.at_once = 1 if self.cpu else sweep.at_once(self.scheduler, self.workers)
         self.refused: dict[str, str] = {}  # Why the budget does not allow a run, by name
 
     @property
     def left(self) -> float:
-        """Wall time that is left, s."""
-        return self.begin + self.budget - time()
+        """Time that is left, s."""
+        return self.begin + self.budget - self.now()
 
     def _say(self, line: str) -> None:
         self.console.print(line, markup=False, soft_wrap=True)
@@ -122,10 +125,26 @@ class Verification:
         for _ in range(ROUNDS):
             self._make(todo)
             self._choose_quantities()
-            todo = [] if self._reached(found := self._found()) else self._next_round(found)
-            if not (todo := [one for one in todo if self._allowed(one)]):
+            if self._reached(found := self._found()):
                 break
+            wanted = self._next_round(found)
+            if not (todo := [one for one in wanted if self._allowed(one)]):
+                self.problems += [] if wanted or not found else [self._too_wide(found, "no further run narrows that")]
+                break
+        else:
+            self.problems.append(self._too_wide(found, f"there are at most {ROUNDS} rounds of runs"))
         return self._outcome()
+
+    def _too_wide(self, found: dict[str, Quantity], why: str) -> str:
+        """Return why runs end within the budget and before the tolerance is reached."""
+        if not found or all(one.uncertainty <= self.within * one.scale for one in found.values()):
+            return f"fewer than {LEAST} runs of {self.plan.first.name} gave values: {why}"
+        name, widest = max(found.items(), key=lambda own: own[1].uncertainty / own[1].scale)
+        bars = _bars(widest)
+        return (
+            f"the budget is not used up: ± {widest.uncertainty / widest.scale:.2g} of {name} comes mostly from "
+            f"{max(bars, key=lambda own: bars[own])}, and {why}"
+        )
 
     def _first_round(self) -> list[Setting]:
         """Return the first settings: those of the scene, or of coarser ones where these cost too much. The cheapest one
@@ -134,7 +153,7 @@ class Verification:
         if not settings:
             raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
         if not any(map(self._known, settings)):
-            self.costs.measure(settings[0])
+            self.costs.measure(settings[0], self.now)
         self._announce(settings)
         if self._cost(settings[0]) <= TRIAL * self.left:
             self._make(settings[:1])
@@ -144,7 +163,7 @@ class Verification:
             costs = sorted(map(self._cost, settings))
             if len(costs) > 1:
                 cheapest = min(cheapest, sum(costs[:2]))
-                if sum(costs) <= self.left:
+                if self._together(costs) <= self.left:
                     break
         else:
             settings = [one for one in settings if one.factors.keys() == {self.plan.first.name}]
@@ -160,12 +179,20 @@ class Verification:
         return sorted(settings, key=lambda one: one.work)
 
     def _announce(self, settings: Sequence[Setting]) -> None:
-        total, names = forecast.duration(sum(map(self._cost, settings))), "; ".join(one.name for one in settings)
+        total = forecast.duration(self._together([*map(self._cost, settings)]))
+        names = "; ".join(one.name for one in settings)
         self._say(f"{len(settings)} runs, about {total} of a budget of {forecast.duration(self.budget)}: {names}")
 
     def _cost(self, setting: Setting) -> float:
         """Return the expected wall time of a run, s; 0 for one that was made before."""
         return 0.0 if self._known(setting) else self.costs.of(setting.work)
+
+    def _together(self, costs: Sequence[float]) -> float:
+        """Return the expected wall time of runs, in turn or by workers where these are worth their start, s."""
+        total = sum(costs)
+        if self.at_once == 1 or (total < WORTH * self.start and self.scheduler is None):
+            return total
+        return self.start + max([*costs, total / self.at_once])
 
     def _left_out(self) -> str:
         return "; ".join(f"{name}: {why}" for name, why in self.plan.left_out.items())
@@ -194,8 +221,8 @@ class Verification:
         cases = {name: self._case(setting) for name, setting in self.settings.items()}
         missing = [cases[name] for name, setting in self.settings.items() if not self._known(setting)]
         expected = sum(self.costs.of(self.settings[case.folder].work) for case in missing)
-        short = len(missing) == 1 or expected < WORTH * self.start
-        in_turn = short or (self.workers is None and not find_spec("distributed"))
+        short = len(missing) == 1 or expected < WORTH * self.start or self.cpu
+        in_turn = short or self.at_once == 1
         begin = time()
         with shown.sweep_progress(self.console, len(missing), sum(case.steps for case in missing)) as count:
             rows = sweep.run(
@@ -209,13 +236,14 @@ class Verification:
                 1 if in_turn and self.scheduler is None else self.workers,
                 lambda case: self._allowed(self.settings[case.folder]),
                 self.begin + self.budget,
+                self.cpu,
             )
-        spent = sum(row["wall_s"] for row in rows if row["folder"] not in self.rows)
+        spent = sum(row[self.clock] for row in rows if row["folder"] not in self.rows)
         self.start = self.start if in_turn else max(self.start, time() - begin - spent)
         for row in rows:
             setting = self.settings[row["folder"]]
             if row["status"] == FINISHED and row["folder"] not in self.rows:
-                self.costs.finished.append((setting.work, row["wall_s"]))
+                self.costs.finished.append((setting.work, row[self.clock]))
             elif row["folder"] not in self.rows:
                 self.problems.append(f"the run {setting.name} {row['status']}: {row['reason']}")
             self.rows[row["folder"]] = row
@@ -339,7 +367,8 @@ class Verification:
                 wanted += [] if known else self.plan.beside(base, [parameter])
             elif finer := self._finer(parameter):
                 wanted.append(finer)
-        return [one for one in wanted if one.name not in self.settings]
+        made = [one.sizes for one in self.settings.values()]
+        return [one for one in wanted if one.name not in self.settings and one.sizes not in made]
 
     def _finer(self, parameter: Parameter) -> Setting | None:
         """Return the next finer setting of a parameter; None where the scene cannot have it."""
@@ -351,8 +380,11 @@ class Verification:
                     return None  # Finer ones would fail too
                 finer = round(last.factors.get(parameter.name, 1.0) / self.ratio, 6)
                 return self.plan.setting({parameter.name: finer})
-            base = self._base()
-            return self.plan.setting({**base.factors, parameter.name: parameter.outward}) if base else None
+            if (base := self._base()) is None:
+                return None
+            beside = [one.factors.get(parameter.name, 1.0) for one in self._beside(parameter)]
+            outward = parameter.outward ** (1 + sum(factor <= parameter.outward for factor in beside))
+            return self.plan.setting({**base.factors, parameter.name: outward})
         except SceneError as error:
             self.problems.append(f"{parameter.name} cannot be finer: {error}")
             return None
@@ -384,7 +416,7 @@ class Verification:
             within=self.within,
             reached=self._reached(found),
             runs=len(rows),
-            wall_s=sum(row["wall_s"] for row in rows.values()),
+            wall_s=sum(row[self.clock] for row in rows.values()),
         )
         if recommended:
             scene, expected, wall = recommended
@@ -421,12 +453,20 @@ class Verification:
 
 
 def _matters(wide: Sequence[Quantity], parameter: str, limit: float) -> bool:
-    """Return whether a parameter makes much of a bar that is too wide: more than `limit`, and half as much as any."""
+    """Return whether a parameter makes much of a bar that is too wide: more than `limit`, and half as much as any, or
+    most of it."""
     for one in wide:
-        bars = {name: share.uncertainty for name, share in one.shares.items() if not is_part(name, one.shares)}
-        if bars.get(parameter, 0.0) > max(limit * one.scale, max(bars.values()) / 2):
+        bars = _bars(one)
+        most = max(bars.values())
+        if bars.get(parameter, 0.0) >= min(most, max(limit * one.scale, most / 2)):
             return True
     return False
+
+
+def _bars(quantity: Quantity) -> dict[str, float]:
+    """Return the bars of a quantity by parameter."""
+    shares = quantity.shares
+    return {name: share.uncertainty for name, share in shares.items() if not is_part(name, shares)}
 
 
 def _beyond(found: dict[str, Quantity], parameter: str, within: float) -> bool:
