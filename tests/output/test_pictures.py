@@ -271,6 +271,7 @@ def test_words_and_units_of_a_picture(small_fsi3, rod_only):
     told = channel.model_copy(update={"description": "A bar, which bends: in water.", "name": "bar-2"})
     assert title(told, 9) == "A bar" and title(told.model_copy(update={"description": ""}), 9) == "bar 2"
     assert len(title(told.model_copy(update={"description": "long " * 40}), 4.0)) <= 58
+    assert not any(title(told, room) for room in (-1.0, 0.0, 0.1)), "the picture of a tall box is narrow"
 
 
 def test_a_scene_in_numbers_of_order_1_has_no_millimetres():

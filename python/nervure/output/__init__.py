@@ -71,11 +71,12 @@ def axis_label(name: str, unit: str) -> str:
 
 
 def title(scene: Scene, inches: float) -> str:
-    """Return the first clause of the scene's description, cut to `inches` of small text; the name in words where there
-    is none, or where it describes a shipped scene of other physics."""
+    """Return the first clause of the scene's description, cut to `inches` of small text, or to nothing; the
+    name in words where there is none, or where it describes a shipped scene of other physics."""
     described = "" if benchmark.changed(scene, "description") else CLAUSE.split(scene.description or "")[0]
     words = described or re.sub(r"[-_]", " ", scene.name)
-    return shorten(legible(words), round(14.5 * inches), placeholder=" …")
+    letters = round(14.5 * inches)
+    return shorten(legible(words), letters, placeholder=" …") if letters > 2 else ""
 
 
 def in_words(column: str, scene: Scene) -> str:

@@ -16,7 +16,7 @@ from nervure.simulation.results import Results
 from nervure.simulation.summary import RunStatus
 
 STEP_ROUNDING = 1e-9
-"""Part of a step by which the end time may exceed a whole number of steps without one more step."""
+"""Part of a step by which the end time may differ from a whole number of steps."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ class TimeGrid:
 
     def step(self, i: int) -> tuple[float, float]:
         """Return the time at the beginning of step `i` and the length of the step, s."""
-        t = i * self.communication_step
-        return t, self.end - t if i == self.steps - 1 else self.communication_step
+        t, whole = i * self.communication_step, self.communication_step
+        left = self.end - t
+        return t, left if left < whole * (1 - STEP_ROUNDING) else whole  # so that a later end changes no bit
 
 
 class Observer:
