@@ -97,6 +97,8 @@ where
     ) -> Self {
         let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
         let (mut stress, mut around) = (None, vec![]);
+        let is_line = !matches!(body.extent, Extent::Surface(_));
+        let whole = if is_line && D != 2 { ROD_SECTION_CELLS * cell * cell } else { thickness };
         let along = |edges: &[f64]| edges.iter().map(|edge| Slip::along(nu, cell, *edge, thickness)).collect();
         let (parts, facing, measures, layers, slips): (_, _, Vec<_>, Vec<_>, Vec<_>) = match &body.extent {
             Extent::Surface(triangles) => {
@@ -107,7 +109,7 @@ where
                     SurfaceStress::new(body.nodes.len(), &parts, areas.clone(), thickness)
                 });
                 let count = areas.len();
-                (parts, Facing::Surface(facets, stress), areas, vec![thickness; count], along(&edges))
+                (parts, Facing::Surface(facets, stress), areas, vec![whole; count], along(&edges))
             }
             extent => {
                 let slips = is_rigid && D == 2;
@@ -133,11 +135,8 @@ where
                         let slips = of_parts.iter().map(|diameter| Slip::of_rod(nu, cell, *diameter));
                         (Facing::Rod, layers.collect(), slips.collect())
                     }
-                    _ if slips => (Facing::Line, vec![thickness; count], along(&edges)),
-                    _ => {
-                        let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
-                        (Facing::Unknown, vec![layer; count], vec![Slip::default(); count])
-                    }
+                    _ if slips => (Facing::Line, vec![whole; count], along(&edges)),
+                    _ => (Facing::Unknown, vec![whole; count], vec![Slip::default(); count]),
                 };
                 (parts, facing, vec![length / count as f64; count], layers, slips)
             }
@@ -145,7 +144,10 @@ where
         around.resize(measures.len(), vec![]);
         let own = measures.iter().zip(layers).zip(slips);
         for (((measure, layer), slip), beside) in own.zip::<Vec<Vec<usize>>>(around) {
-            markers.add(*measure, layer * measure, c_eta, slip, beside.into_iter().map(|k| first + k));
+            let k = markers.len();
+            markers.add(*measure, whole * measure, c_eta, slip, beside.into_iter().map(|k| first + k));
+            // A thin rod follows as fast as a thick one.
+            markers.get_mut(k).layer = layer * measure;
         }
         Self { number, parts, facing, pivot: body.pivot, stress }
     }
