@@ -89,6 +89,12 @@ CASES: dict[str, tuple[str, Changes]] = {
     "rolling/16 fine cells": (ROLLING, {"fluid.fine_box.ratio": 2, "fluid.mask.log_linear.c_eta": 2.2e-4}),
     "rolling/32 fine cells": (ROLLING, {}),
     **{f"hanging/160x160x48, U {speed}": (HANGING, stream(speed)) for speed in SPEEDS},
+    **{
+        f"hanging/{n}x{n}x{3 * n // 10}, U {speed}": (HANGING, stream(speed) | grid([n, n, 3 * n // 10], 160 / n * h))
+        for n in (40, 80)
+        for speed, (h, _) in SPEEDS.items()
+        if speed in (1.1, 2.1)
+    },
     "plate/90°, 64x48x48": (PLATE, grid([64, 48, 48], 0.04)),
     "plate/90°, 128x96x96": (PLATE, grid([128, 96, 96], 0.02)),
     "plate/90°, box 8 x 9 x 9": (

@@ -131,7 +131,7 @@ fn rods_and_wings(scene: &Scene) -> Vec<Flexible<3>> {
     let beams = scene.beams_with_rods().map(|own| Flexible {
         name: own.number.map_or("the beam".into(), |number| format!("beam {number}")),
         nodes: scene.beam_stations(own.beam),
-        extent: Extent::Line { free: [true; 2] },
+        extent: Extent::Rod(own.beam.places().step_by(2).map(|s| own.beam.thickness.at(s)).collect()),
         pivot: None,
     });
     let wings = scene.wings().map(|own| {

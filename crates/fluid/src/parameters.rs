@@ -254,6 +254,8 @@ pub enum Extent {
         /// Which ends are free.
         free: [bool; 2],
     },
+    /// Such a line for a rod in space, by its diameter at the nodes, m.
+    Rod(Vec<f64>),
     /// Triangles, each of three nodes, in space: a surface of markers.
     Surface(Vec<[usize; 3]>),
     /// The mask of a band around the line through them, for a thickness of some cells in the plane.
@@ -491,6 +493,13 @@ where
             let allowed = "at most 4e4: coarser cells or a smaller body";
             return Err(Error::Parameter { name: "extent of a thin body in cells", value: count, allowed });
         }
+        if let Extent::Rod(diameters) = &body.extent {
+            if diameters.len() != body.nodes.len() {
+                let (value, allowed) = (diameters.len() as f64, "one of each node");
+                return Err(Error::Parameter { name: "number of diameters of a rod", value, allowed });
+            }
+            diameters.iter().try_for_each(|diameter| require_positive("diameter of a rod", *diameter))?;
+        }
         Ok(())
     }
 
@@ -581,7 +590,7 @@ impl<const D: usize> Flexible<D> {
     /// Return the number of markers on cells of a size (m), about; none of nodes that do not exist, and of a mask.
     fn markers(&self, cell: f64) -> Option<f64> {
         match &self.extent {
-            Extent::Line { .. } => {
+            Extent::Line { .. } | Extent::Rod(_) => {
                 let square = |ends: &[[f64; D]]| (0..D).map(|k| (ends[1][k] - ends[0][k]).powi(2)).sum::<f64>();
                 Some(self.nodes.windows(2).map(|ends| square(ends).sqrt()).sum::<f64>() / cell)
             }

@@ -80,7 +80,7 @@ pub use scene::{BeamWithRod, Display, Followed, Scene, Time, WingOfScene};
 pub use shape::{Ends, Shape};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
-pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
+pub use surface::{LINE_THICKNESS_CELLS, ROD_RADIUS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warning::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingDrive, WingGroup, WingMesh, WingSupport};
 pub use wings::NamedWing;

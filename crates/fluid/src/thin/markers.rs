@@ -50,7 +50,7 @@ pub struct Marker<const D: usize> {
     kappa: f64,
     /// Volume of the layer that moves with it, m³, or m² in the plane.
     pub layer: f64,
-    /// Projection of a vector on the line or surface along which it slips, 0 where it does not.
+    /// Projection of a vector on the line or surface along which it slips, 0 where it does not slip.
     pub along: SMatrix<f64, D, D>,
     /// Its slip.
     pub slip: Slip,
@@ -209,7 +209,7 @@ impl<const D: usize> Markers<D> {
                 square += velocity.dot(&velocity) * weight;
             }
             *passing = mean;
-            marker.slip.speed = square.max(0.0).sqrt();
+            marker.slip.pass((mean - marker.along * mean).norm(), square.max(0.0).sqrt());
         }
     }
 
@@ -240,7 +240,8 @@ impl<const D: usize> Markers<D> {
     /// Return the inverse of the drag rate of a marker times what it stands for, for each axis: s/m² in two dimensions.
     pub fn inverse_drag(&self, k: usize) -> SMatrix<f64, D, D> {
         let Marker { measure, kappa, along, slip, .. } = &self.own[k];
-        (SMatrix::from_diagonal_element(1.0 / kappa) + along * slip.resistance()) / *measure
+        let [slip, across] = slip.resistances();
+        (SMatrix::from_diagonal_element(1.0 / kappa + across) + along * (slip - across)) / *measure
     }
 
     /// Return `Σ w_j w_k/C` over the grid points that two markers share, s; none if they share no point.

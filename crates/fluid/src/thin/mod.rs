@@ -27,7 +27,7 @@ use crate::bodies::{Bodies, Carried, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
-use crate::kernel::{Kernel, ROD_SECTION_CELLS, layer_thickness};
+use crate::kernel::{Kernel, ROD_RADIUS_CELLS, ROD_SECTION_CELLS, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
 use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};
@@ -57,6 +57,8 @@ struct Thin<const D: usize> {
 enum Facing {
     /// The markers beside each one, in the plane.
     Line,
+    /// The same of a rod in space, which takes its layer along in all directions.
+    Rod,
     /// Nothing: the body does not slip.
     Unknown,
     /// The triangles of each; a flexible one has stresses.
@@ -83,7 +85,7 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one and a surface slip.
+    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one, a surface and a rod slip.
     fn new(
         number: usize,
         body: &Flexible<D>,
@@ -95,7 +97,10 @@ where
     ) -> Self {
         let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
         let (mut stress, mut around) = (None, vec![]);
-        let (parts, facing, measures, edges, layer) = match &body.extent {
+        let is_line = !matches!(body.extent, Extent::Surface(_));
+        let whole = if is_line && D != 2 { ROD_SECTION_CELLS * cell * cell } else { thickness };
+        let along = |edges: &[f64]| edges.iter().map(|edge| Slip::along(nu, cell, *edge, thickness)).collect();
+        let (parts, facing, measures, layers, slips): (_, _, Vec<_>, Vec<_>, Vec<_>) = match &body.extent {
             Extent::Surface(triangles) => {
                 let surface::Patches { parts, facets, areas, edges, around: beside } =
                     surface::patches(&body.nodes_in_space(), triangles, cell, first);
@@ -103,7 +108,8 @@ where
                     around = beside;
                     SurfaceStress::new(body.nodes.len(), &parts, areas.clone(), thickness)
                 });
-                (parts, Facing::Surface(facets, stress), areas, edges, thickness)
+                let count = areas.len();
+                (parts, Facing::Surface(facets, stress), areas, vec![whole; count], along(&edges))
             }
             extent => {
                 let slips = is_rigid && D == 2;
@@ -115,19 +121,33 @@ where
                     cell,
                     first,
                 );
-                let measures = vec![length / parts.len() as f64; parts.len()];
+                let count = parts.len();
                 if D == 2 {
                     stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
                 }
-                let layer = if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell };
-                (parts, if slips { Facing::Line } else { Facing::Unknown }, measures, edges, layer)
+                // A rod thinner than its line takes less fluid with it.
+                let size = |diameter: f64| cell.min(0.5 * diameter / ROD_RADIUS_CELLS);
+                let (facing, layers, slips) = match extent {
+                    Extent::Rod(all) if all.iter().any(|diameter| size(*diameter) < cell) => {
+                        let mean = |shares: &[(usize, f64)]| shares.iter().map(|(k, share)| all[*k] * share).sum();
+                        let of_parts: Vec<f64> = parts.iter().map(|(_, shares)| mean(shares)).collect();
+                        let layers = of_parts.iter().map(|diameter| ROD_SECTION_CELLS * size(*diameter).powi(2));
+                        let slips = of_parts.iter().map(|diameter| Slip::of_rod(nu, cell, *diameter));
+                        (Facing::Rod, layers.collect(), slips.collect())
+                    }
+                    _ if slips => (Facing::Line, vec![whole; count], along(&edges)),
+                    _ => (Facing::Unknown, vec![whole; count], vec![Slip::default(); count]),
+                };
+                (parts, facing, vec![length / count as f64; count], layers, slips)
             }
         };
         around.resize(measures.len(), vec![]);
-        for ((measure, edge), beside) in measures.iter().zip(edges).zip::<Vec<Vec<usize>>>(around) {
-            let slip =
-                if let Facing::Unknown = facing { Slip::default() } else { Slip::new(nu, cell, edge, thickness) };
-            markers.add(*measure, layer * measure, c_eta, slip, beside.into_iter().map(|k| first + k));
+        let own = measures.iter().zip(layers).zip(slips);
+        for (((measure, layer), slip), beside) in own.zip::<Vec<Vec<usize>>>(around) {
+            let k = markers.len();
+            markers.add(*measure, whole * measure, c_eta, slip, beside.into_iter().map(|k| first + k));
+            // A thin rod follows as fast as a thick one.
+            markers.get_mut(k).layer = layer * measure;
         }
         Self { number, parts, facing, pivot: body.pivot, stress }
     }
@@ -141,11 +161,11 @@ where
         }
         for k in own.clone() {
             let normal_or_tangent = match &self.facing {
-                Facing::Line if own.len() > 1 => {
+                Facing::Line | Facing::Rod if own.len() > 1 => {
                     let place = |k: usize| markers.get(k).position;
                     place((k + 1).min(own.end - 1)) - place(k.max(own.start + 1) - 1)
                 }
-                Facing::Line | Facing::Unknown => {
+                Facing::Line | Facing::Rod | Facing::Unknown => {
                     let end = |k: usize| Vector::from(nodes.position.each_ref().map(|of| of[k]));
                     end(nodes.len() - 1) - end(0)
                 }
@@ -154,7 +174,8 @@ where
             let length = normal_or_tangent.iter().fold(0.0_f64, |length, part| length.hypot(*part));
             let axis = normal_or_tangent / length.max(f64::MIN_POSITIVE);
             let along = axis * axis.transpose();
-            markers.get_mut(k).along = if let Facing::Line = self.facing { along } else { SMatrix::identity() - along };
+            markers.get_mut(k).along =
+                if let Facing::Surface(..) = self.facing { SMatrix::identity() - along } else { along };
         }
     }
 
@@ -166,13 +187,14 @@ where
         }
     }
 
-    /// Return the fluid of a density (kg/m³) in the layer that moves across with the body, with moments about a point (m) of
-    /// some velocity (m/s).
+    /// Return the fluid of a density (kg/m³) in the layer that moves with the body, across it or with a rod in all
+    /// directions, with moments about a point (m) of some velocity (m/s).
     fn displaced(&self, [centre, velocity]: [Vector<D>; 2], markers: &Markers<D>, density: f64) -> Displaced<D> {
         let mut sum = Force::default();
         for k in self.parts.markers() {
             let marker = markers.get(k);
-            let across = marker.velocity - marker.along * marker.velocity;
+            let along = if let Facing::Rod = self.facing { Vector::zeros() } else { marker.along * marker.velocity };
+            let across = marker.velocity - along;
             sum.add(&(density * marker.layer * across), &(marker.position - centre));
         }
         let Force { force: momentum, moment: angular } = sum;

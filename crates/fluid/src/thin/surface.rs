@@ -28,6 +28,10 @@ const AROUND: f64 = 1.5;
 /// Rounds in which each patch becomes what is nearest to its centre.
 const ROUNDS: usize = 40;
 
+/// Relative difference of squares of distances that is none: rounding, which differs with the place of a surface, must not
+/// decide between grains or centres that symmetry makes equally far. The first of them is taken.
+const TIE: f64 = 1e-6;
+
 /// Most blocks of centres along an axis.
 const MOST_BLOCKS: f64 = 64.0;
 
@@ -49,7 +53,7 @@ impl Grain {
 
 /// Return the number of markers of a surface of an area (m²) on cells of a size (m).
 pub fn count(area: f64, cell: f64) -> f64 {
-    (area / (SPACING_CELLS * cell).powi(2)).round().max(1.0)
+    ((1.0 + TIE) * area / (SPACING_CELLS * cell).powi(2)).round().max(1.0)
 }
 
 /// The patches of a surface.
@@ -143,13 +147,13 @@ pub fn patches(nodes: &[[f64; 3]], triangles: &[[usize; 3]], cell: f64, first: u
     Patches { parts, facets, areas, edges: distances, around }
 }
 
-/// Divide each triangle into equal ones with sides of at most `size` (m).
+/// Divide each triangle into equal ones with sides of at most `size` (m), but for a tie.
 fn grains(nodes: &[[f64; 3]], triangles: &[[usize; 3]], size: f64) -> Vec<Grain> {
     let mut grains = Vec::new();
     for corners in triangles {
         let points = corners.map(|node| nodes[node]);
         let longest = (0..3).map(|k| square(&points[k], &points[(k + 1) % 3])).fold(0.0, f64::max).sqrt();
-        let n = (longest / size).ceil().max(1.0);
+        let n = ((1.0 - TIE) * longest / size).ceil().max(1.0);
         let area = triangle_area(&points) / (n * n);
         let mut add = |weights: [f64; 3]| {
             let middle = [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * points[k][axis]).sum());
@@ -171,7 +175,7 @@ fn grains(nodes: &[[f64; 3]], triangles: &[[usize; 3]], size: f64) -> Vec<Grain>
     grains
 }
 
-/// Return the middles of `count` grains, each as far as possible from those before it.
+/// Return the middles of `count` grains, each as far as possible from those before it, the first of those as far.
 fn spread_out(grains: &[Grain], count: usize) -> Vec<[f64; 3]> {
     let mut distances = vec![f64::INFINITY; grains.len()];
     let (mut centres, mut farthest) = (Vec::with_capacity(count), 0);
@@ -181,7 +185,7 @@ fn spread_out(grains: &[Grain], count: usize) -> Vec<[f64; 3]> {
         let mut most = -1.0;
         for (k, (distance, grain)) in distances.iter_mut().zip(grains).enumerate() {
             *distance = distance.min(square(&grain.middle, &centre));
-            if *distance > most {
+            if *distance > (1.0 + TIE) * most {
                 (most, farthest) = (*distance, k);
             }
         }
@@ -220,14 +224,17 @@ impl Blocks {
         [0, 1, 2].map(|axis| (((point[axis] - self.low[axis]) / self.size) as usize).min(self.counts[axis] - 1))
     }
 
-    /// Return the centre nearest to a point, of all where none is in the blocks around it.
+    /// Return the first of the centres nearest to a point, of all where none is in the blocks around it.
     fn nearest(&self, centres: &[[f64; 3]], point: [f64; 3]) -> usize {
         let block = self.block(&point);
         let [xs, ys, zs] =
             [0, 1, 2].map(|axis| block[axis].saturating_sub(1)..(block[axis] + 2).min(self.counts[axis]));
-        let nearest = |own: &mut dyn Iterator<Item = usize>| {
-            own.map(|k| (square(&centres[k], &point), k)).min_by(|a, b| a.0.total_cmp(&b.0))
+        let order = |a: &(f64, usize), b: &(f64, usize)| match (a.0 - b.0).abs() <= TIE * a.0 {
+            true => a.1.cmp(&b.1),
+            false => a.0.total_cmp(&b.0),
         };
+        let nearest =
+            |own: &mut dyn Iterator<Item = usize>| own.map(|k| (square(&centres[k], &point), k)).min_by(order);
         let [_, ny, nz] = self.counts;
         let around = xs.flat_map(|x| {
             let zs = &zs;
@@ -286,6 +293,27 @@ mod tests {
                 let nearest = others.map(|(_, other)| square(other, &centres[k])).fold(f64::INFINITY, f64::min);
                 assert!((1.2..2.5).contains(&(nearest.sqrt() / cell)), "{along}: {}", nearest.sqrt() / cell);
                 assert!((0.5..1.6).contains(&(area / mean)), "{along}: {area} of {mean}");
+            }
+        }
+    }
+
+    /// A surface has the same markers wherever it is, though by symmetry many of its grains are equally far from a centre.
+    #[test]
+    fn markers_do_not_depend_on_the_place_of_the_surface() {
+        let meshes = [2, 6].map(|along| (format!("a rectangle of {along}"), rectangle(along)));
+        let disk = scene::WingMesh::Elliptical { length: 1.0, width: 1.0, along: 12 }.build();
+        for (name, (nodes, triangles)) in meshes.into_iter().chain([("a disk".into(), (disk.nodes, disk.triangles))]) {
+            let own = patches(&nodes, &triangles, 1.0 / 12.0, 0);
+            for angle in [0.3, 1.5 * std::f64::consts::PI] {
+                let (sin, cos) = f64::sin_cos(angle);
+                let turned = nodes.iter().map(|[x, y, z]| [cos * x - sin * z + 0.7, y - 0.3, sin * x + cos * z]);
+                let other = patches(&turned.collect::<Vec<_>>(), &triangles, 1.0 / 12.0, 0);
+                assert_eq!(own.areas.len(), other.areas.len(), "{name}, {angle}");
+                for ((_, one), (_, two)) in own.parts.iter().zip(other.parts.iter()) {
+                    let off = one.iter().zip(two).map(|(a, b)| if a.0 == b.0 { (a.1 - b.1).abs() } else { 1.0 });
+                    let off = off.fold(one.len().abs_diff(two.len()) as f64, f64::max);
+                    assert!(off < 1e-9, "{name}, {angle}: shares differ by {off}");
+                }
             }
         }
     }

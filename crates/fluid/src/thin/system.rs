@@ -324,7 +324,7 @@ mod tests {
         for (k, place) in places.iter().enumerate() {
             let angle = k as f64;
             let axis = Vector::from([angle.cos(), angle.sin()]);
-            markers.add(1.5, 1.5, 1e-5, Slip::new(0.1, 1.0, 3.0, 1.5), []);
+            markers.add(1.5, 1.5, 1e-5, Slip::along(0.1, 1.0, 3.0, 1.5), []);
             (markers.get_mut(k).position, markers.get_mut(k).along) = (Vector::from(*place), axis * axis.transpose());
         }
         markers.find_cells(&grid);
