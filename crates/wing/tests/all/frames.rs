@@ -58,7 +58,7 @@ fn a_wing_that_is_placed_in_motion_accelerates_as_a_rigid_body_and_loses_nothing
 fn momenta_and_rates(wing: &mut Wing) -> [[Vector; 2]; 2] {
     let momenta = wing.momentum().map(Vector::from);
     let (weight, state) = (Vector::from(wing.parameters().gravity), wing.state());
-    let origin = Vector::from(wing.parameters().root.origin) + Vector::from(state.own.displacement);
+    let origin = Vector::from(wing.parameters().root.origin) + Vector::from(state.own.base.displacement);
     let mut rates = [state.drive.force, Vector::from(state.drive.moment) + origin.cross(&state.drive.force)];
     for (x, mass) in state.positions.iter().zip(wing.masses()) {
         rates[0] += weight * *mass;
