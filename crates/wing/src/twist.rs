@@ -236,8 +236,9 @@ impl Twists {
                 let rank = if at > 0 && at < last { 0 } else { 1 };
                 (rank == 0 || k < i).then_some((rank, k, firsts[k] + at.max(1) - 1))
             });
-            if let Some((_, _, other)) = met.min() {
-                self.add_joint(Some(other), own, [false, true], vein, j)?;
+            // Between two segments of the other vein both halves already belong to their joint.
+            if let Some((rank, _, other)) = met.min() {
+                self.add_joint(Some(other), own, [rank > 0, true], vein, j)?;
             }
         }
         Ok(())
