@@ -147,7 +147,7 @@ impl Mesh {
     /// Return the first node at which a chain is not straight, and how; a fold before a turn.
     pub fn bend(&self, chain: &[usize]) -> Option<(usize, Bend)> {
         let edge = |i: usize| minus(self.nodes[chain[i + 1]], self.nodes[chain[i]]);
-        let point = (1..chain.len()).find(|i| !norm(edge(i - 1)).is_normal()).map(|i| (chain[i], Bend::Point));
+        let point = (1..chain.len()).find(|i| !norm(edge(i - 1)).is_normal()).map(|i| (chain[i - 1], Bend::Point));
         point.or_else(|| {
             let bends = (1..chain.len().saturating_sub(1)).filter_map(|i| {
                 let [before, after] = [edge(i - 1), edge(i)].map(|edge| edge.map(|part| part / norm(edge)));
