@@ -114,7 +114,7 @@ def main():
         "format": 2,
         "name": "wing-venation",
         "description": "A fly's wing with curved, branched veins beats in vacuum; its stiffness is an estimate.",
-        "time": {"end": 0.01, "communication_step": 2.5e-5},
+        "time": {"end": 0.005, "communication_step": 1e-5},
         "wing": {
             "mesh": {
                 "triangles": {

@@ -145,9 +145,8 @@ impl Checked<'_> {
             let stiff = vein.bending_stiffness > 0.0;
             let bend = self.mesh.bend(nodes).filter(|(_, bend)| stiff && !torsion || *bend != Bend::Turn);
             let mut steps = nodes.windows(2).filter(|_| torsion).map(|ends| [ends[0], ends[1]]);
-            let off = steps.clone().find(|ends| {
-                ends.iter().all(|k| corners.contains(k)) && !edges.contains(&key_of(*ends))
-            });
+            let off =
+                steps.clone().find(|ends| ends.iter().all(|k| corners.contains(k)) && !edges.contains(&key_of(*ends)));
             let shared = steps.find(|ends| !taken.insert(key_of(*ends)));
             if self.wing.veins[..i].iter().any(|other| other.chain == vein.chain) {
                 refuse("another vein lies along this chain".into());

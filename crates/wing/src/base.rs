@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use structure::cubic;
 
 use crate::Error;
-use crate::twist::Twist;
 use crate::geometry::Vector;
+use crate::twist::Twist;
 
 /// Tolerance of a rotation matrix, for rounding.
 const ORTHOGONAL: f64 = 1e-6;

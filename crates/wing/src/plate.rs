@@ -49,7 +49,13 @@ pub(crate) enum Side {
 
 impl Hinge {
     /// Return θ in the shape `x`, rad, with the `support` turned; `None` at a fold.
-    pub(crate) fn turn(&self, x: &[Vector], shapes: &[FaceShape], support: &Matrix3<f64>, twists: &Twists) -> Option<f64> {
+    pub(crate) fn turn(
+        &self,
+        x: &[Vector],
+        shapes: &[FaceShape],
+        support: &Matrix3<f64>,
+        twists: &Twists,
+    ) -> Option<f64> {
         let first = &shapes[self.first.0].normal;
         let other = match self.second {
             Side::Face(t, _) => shapes[t].normal,

@@ -263,8 +263,7 @@ impl Twists {
             let own = strand.map(|k| &self.strands[k]).filter(|strand| bends && !strand.rigid);
             own.map_or(0.0, |strand| 0.5 * strand.length)
         };
-        let compliance =
-            local * half(before, bends[0]) + rest * local * rest.transpose() * half(Some(after), bends[1]);
+        let compliance = local * half(before, bends[0]) + rest * local * rest.transpose() * half(Some(after), bends[1]);
         match compliance.try_inverse() {
             Some(stiffness) if !fold => {
                 self.joints.push(Joint { before, after, back: rest.transpose(), support, stiffness });
@@ -274,7 +273,11 @@ impl Twists {
             None => Ok(()),
             Some(_) => {
                 let nodes = vein.nodes[j];
-                Err(Error::value(format!("veins.{}.nodes", vein.name), nodes, "a place where the vein does not fold back"))
+                Err(Error::value(
+                    format!("veins.{}.nodes", vein.name),
+                    nodes,
+                    "a place where the vein does not fold back",
+                ))
             }
         }
     }

@@ -203,13 +203,17 @@ impl Wing {
     /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base
     /// at rest; `None` for a wing without a line of the root or without triangles.
     pub fn twist(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.twist(&self.core.state.positions, &self.core.state.own.base.matrix()))
+        self.section
+            .as_ref()
+            .map(|section| section.twist(&self.core.state.positions, &self.core.state.own.base.matrix()))
     }
 
     /// Return the largest distance of the membrane from that chord, by its length, positive on the side of the normals
     /// of the triangles; `None` as the twist.
     pub fn camber(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.camber(&self.core.state.positions, &self.core.state.own.base.matrix()))
+        self.section
+            .as_ref()
+            .map(|section| section.camber(&self.core.state.positions, &self.core.state.own.base.matrix()))
     }
 
     /// Return the effort of the last step.

@@ -97,14 +97,13 @@ impl Twisted {
         let start = rim[2];
         let beside = mesh.triangles.iter().filter(|corners| corners.contains(&start)).flatten();
         let branch = [start, *beside.into_iter().find(|k| !stem.contains(k) && !held[**k]).expect("a neighbour")];
-        let vein = |name: &str, nodes: &[usize]| Vein {
-            torsional_stiffness: 0.03,
-            ..Vein::new(name, nodes, 0.1, 0.02, 50.0)
-        };
+        let vein =
+            |name: &str, nodes: &[usize]| Vein { torsional_stiffness: 0.03, ..Vein::new(name, nodes, 0.1, 0.02, 50.0) };
         parameters.veins = vec![vein("branch", &branch), vein("stem", &stem)];
         let mut elastic = Elastic::new(&parameters, &held).expect("springs");
         let system = System::new(&elastic, &held).expect("a matrix");
-        let nodes = |k: usize| if held[k] { Vector::zeros() } else { Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin()) };
+        let nodes =
+            |k: usize| if held[k] { Vector::zeros() } else { Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin()) };
         let turn = |k: usize| if elastic.twists.strands[k].rigid { 0.0 } else { ((5 * k + 1) as f64).cos() };
         let motion = ((0..x.len()).map(nodes).collect(), (0..elastic.twists.strands.len()).map(turn).collect());
         elastic.twists.carry(&x, &elastic.support);

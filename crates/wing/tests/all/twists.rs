@@ -75,7 +75,8 @@ fn a_kink_and_a_branch_pass_bending_to_torsion() {
             ..Vein::new(name, &nodes.collect::<Vec<_>>(), 0.1, EI, 1e6)
         };
         let branch = vec![vein("branch", count..2 * count + 1), vein("stem", 0..count + 1)];
-        let mut branched = alone(Mesh { nodes: nodes.clone(), ..Mesh::default() }, branch.clone()).build().expect("veins");
+        let mut branched =
+            alone(Mesh { nodes: nodes.clone(), ..Mesh::default() }, branch.clone()).build().expect("veins");
         // The tip of the branch stays the last node.
         let mut longer = nodes.clone();
         longer.insert(count + 1, [1.1 * a, 0.0, 0.0]);
