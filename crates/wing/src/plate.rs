@@ -14,8 +14,8 @@
 //! Splitting θ_e into halves, as rotation-free elements do, saves the moments, but is not consistent: the second
 //! frequency of a cantilever plate is then 48 % off on a mesh with alternating diagonals.
 //!
-//! A held edge has one triangle and turns from the normal of the support; a torsion spring there adds its compliance. On
-//! a vein with torsion each triangle has an edge of its own, which turns from the director of the vein.
+//! A held edge has one triangle and turns from the normal of the support; a torsion spring there adds its compliance.
+//! On a vein with torsion each triangle has an edge of its own, which turns from the director of the vein.
 //! C⁻¹ is full, so Newton's matrix has the turn of each edge as an unknown beside the nodes (`system`).
 
 use nalgebra::Matrix3;

@@ -1,6 +1,7 @@
 //! Newton's matrix: pattern and assembly.
 //!
-//! The unknowns are the free nodes, then the turns φ of directors (`twist`), then the turns α of the edges with hinges. With the weights w of the masses, d
+//! The unknowns are the free nodes, then the turns φ of directors (`twist`), then the turns α of the edges with
+//! hinges. With the weights w of the masses, d
 //! of the impedance and s of the elastic forces, and the Hessian ∂²U/∂x∂x at constant moments, the matrix of
 //! the nodes is w M + d + s ∂²U/∂x∂x + s Bᵀ C⁻¹ B, B = ∂θ/∂x. The last term is full. But B = Σ B_T
 //! and C = Σ C_T are sums over the triangles, and each triangle has moments of its own if α makes them equal on
@@ -333,8 +334,8 @@ impl System {
         true
     }
 
-    /// Solve for the update of the nodes under `residual`, N: `[nodes]`, and `torques` on the directors, N m: `[strands]` or
-    /// empty; the result is in `update`.
+    /// Solve for the update of the nodes under `residual`, N: `[nodes]`, and `torques` on the directors, N m:
+    /// `[strands]` or empty; the result is in `update`.
     pub(crate) fn solve(&mut self, residual: &[Vector], torques: &[f64]) {
         self.update.fill(0.0);
         for (unknown, torque) in self.twists.iter().zip(torques) {

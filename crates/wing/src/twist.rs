@@ -1,10 +1,10 @@
 //! Veins with torsion: a director on each segment, and springs between neighbouring frames.
 //!
 //! A segment with the tangent t has the frame R = (d, t × d, t). Its director d follows t by parallel transport and
-//! turns about it by the unknown φ, which has no inertia. At the joint of the segments a and b, Q = R_aᵀ R_b at rest, and
+//! turns about it by the unknown φ, which has no inertia. At the joint of the segments a and b,
 //!
 //! ```text
-//! U = ½ ω · K ω,     E = R_aᵀ R_b Q_restᵀ,     ω = 2 axial(E − Eᵀ)/(1 + tr E) = 2 tan(ψ/2) axis,
+//! U = ½ ω · K ω,     Q = R_aᵀ R_b,     E = Q Q_restᵀ,     ω = 2 axial(E − Eᵀ)/(1 + tr E) = 2 tan(ψ/2) axis,
 //! K⁻¹ = ½ (l_a C_a + l_b Q_rest C_b Q_restᵀ),     C = diag(1/EI, 1/EI, 1/GJ).
 //! ```
 //!
@@ -389,7 +389,7 @@ impl Twists {
         Ok(())
     }
 
-    /// Predict a stage over `dt`, s, after a step of `last_step`, s: rates without a turn, and a first guess of the turns.
+    /// Predict a stage over `dt`, s, after a step of `last_step`, s: rates without a turn, and first turns.
     pub(crate) fn predict(&mut self, memory: &[Twist], rule: &StepRule, dt: f64, last_step: f64) {
         for (star, twist) in self.without_turn.iter_mut().zip(memory) {
             *star = rule.at_no_displacement(Motion {

@@ -5,8 +5,8 @@ use nervure_wing::{Membrane, Parameters, RigidMotion, Root, Vein, Wing, rectangl
 
 type Vector = Vector3<f64>;
 
-/// A damped wing with a tapered vein, and one with torsion round a corner, on a clamped root, which turns about a point aside, in gravity, with its rest
-/// shape turned by `axes` and put `away`.
+/// A damped wing with a tapered vein, and one with torsion round a corner, on a clamped root, which turns about a point
+/// aside, in gravity, with its rest shape turned by `axes` and put `away`.
 fn clamped(axes: Rotation3<f64>, away: Vector) -> Wing {
     let mut mesh = rectangle(0.2, 0.1, 4);
     let root = mesh.chain("root").expect("a root").to_vec();
