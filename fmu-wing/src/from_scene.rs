@@ -24,7 +24,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Parameters {
         };
         let name = &vein.chain;
         let uniform = Vein::new(name, &nodes, vein.line_density, vein.bending_stiffness, vein.axial_stiffness);
-        Vein { diameter, ..uniform }
+        Vein { diameter, torsional_stiffness: vein.torsional_stiffness, ..uniform }
     });
     let materials = own.membrane.iter().chain(own.regions.iter().map(|region| &region.membrane));
     let membranes = materials.map(|membrane| Membrane {

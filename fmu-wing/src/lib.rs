@@ -203,6 +203,7 @@ impl Model for WingUnit {
     const IDENTIFIER: &'static str = "fmu_wing";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
+    const STATE_LAYOUT: u32 = 2;
     type State = wing::WingState;
 
     fn load(resources: &Resources) -> Result<Self, String> {

@@ -129,7 +129,7 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         list.extend(along_axes(3, |d, axis| {
             let text = "Displacement of that node on a rigid wing";
             Real::computed(format!("rigid_tip.u{axis}"), "m", text, move |m| {
-                let (base, node) = (&m.wing().state().own, m.rest.mesh.nodes[m.tip]);
+                let (base, node) = (&m.wing().state().own.base, m.rest.mesh.nodes[m.tip]);
                 let arm: [f64; 3] = std::array::from_fn(|e| node[e] - m.own.pivot[e]);
                 base.displacement[d] + (0..3).map(|e| base.rotation[d][e] * arm[e]).sum::<f64>() - arm[d]
             })

@@ -24,6 +24,7 @@ TRIANGLES = [
 ]
 CHAINS: dict[str, list[int]] = {"root": [0, 1, 2], "left": [0, 3, 6, 9, 12], "point": [0], "corners": [0, 2]}
 FILM = {"areal_density": 1.0, "stretching_stiffness": 1e4, "bending_stiffness": 1.0, "poisson_ratio": 0.0}
+TORSION: dict[str, float] = {"torsional_stiffness": 0.5}
 VEIN = {"line_density": 0.1, "bending_stiffness": 1.0, "axial_stiffness": 10.0}
 TIME = {"end": 0.02, "communication_step": 0.005}
 NO_AXES = [[1e308, 0, 0], [0, 1e-200, 0]]
@@ -48,6 +49,14 @@ def body(shape: Any, **keys: Any) -> Any:
     rest = {"mask": {"log_linear": {"c_eta": 1e-4}}, "time_stepping": {"max_step": 0.005, "max_cfl": 0.4}}
     bodies = [{"shape": shape, "position": [0, 0, 0]} | keys]
     return {"name": "body", "time": TIME, "fluid": own | rest | {"bodies": bodies}}
+
+
+def twisted(chain: list[int], vein: Any = (), **keys: Any) -> Any:
+    """Return a scene of that wing with veins with torsion along `chain` and along its left side."""
+    scene = wing(chains={"v": chain}, veins=["v", "left"], **keys)
+    for own in scene["wing"]["veins"]:
+        own |= TORSION | dict(vein)
+    return scene
 
 
 def regions(*polygons: Any) -> Any:
@@ -104,6 +113,13 @@ def test_the_wing_and_the_body_of_these_tests_are_sound(loaded):
         (wing(chains={"rev": [12, 9, 6, 3, 0]}, veins=["rev"]), r"`wing\.veins\[0\]\.chain` is .* ends at the root"),
         (wing(chains={"v": [0, 3, 9, 6]}, veins=["v"]), "folds back at its node 9"),
         (wing(chains={"v": [0, 3, 7]}, veins=["v"]), "turns at its node 3, .* straight at rest"),
+        (twisted([0, 3, 7, 3]), r"chains\[4\]\.nodes\[3\]` is 3, but the list has it already"),
+        (twisted([0, 3, 7, 15]), r"chains\[4\]\.nodes\[3\]` is 15, but the mesh has nodes 0 to 14"),
+        (twisted([0, 3, 10]), r"`wing\.veins\[0\]\.chain` is \"v\", .*its node 3, .* and node 10 share no edge"),
+        (twisted([1, 4, 3, 6]), r"`wing\.veins\[1\]\.chain` .*its node 3, .* and node 6 lie on another vein"),
+        (twisted([0, 3, 9, 6]), "folds back at its node 9"),
+        (twisted([1, 4, 8, 12, 15], nodes=[*NODES, NODES[12]]), "its node 12, .* and the next lie in one place"),
+        (twisted([1, 4, 8], vein={"bending_stiffness": 0.0}), r"veins\[0\]\.bending_stiffness` is 0.*above 0"),
         (wing(veins=["point"]), "the chain has one node, and a vein at least two"),
         (wing(veins=["left", "left"]), r"veins\[1\]\.chain` is .*another vein lies along this chain"),
         (wing(*cut()), "`wing.mesh` is of several parts, .*node 15, .* share .* the root; nodes 12 and 15 lie in one"),
@@ -139,6 +155,10 @@ def test_a_vein_without_bending_stiffness_may_curve(loaded):
     scene = wing(chains={"v": [0, 3, 7]}, veins=["v"])
     scene["wing"]["veins"][0]["bending_stiffness"] = 0.0
     loaded(scene)
+
+
+def test_a_vein_with_torsion_may_curve(loaded):
+    loaded(twisted([1, 4, 8, 11, 14]))
 
 
 @pytest.mark.parametrize(

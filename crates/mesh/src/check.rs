@@ -144,19 +144,20 @@ impl Mesh {
         pairs
     }
 
-    /// Return the first node at which a chain is not straight, and how.
+    /// Return the first node at which a chain is not straight, and how; a fold before a turn.
     pub fn bend(&self, chain: &[usize]) -> Option<(usize, Bend)> {
         let edge = |i: usize| minus(self.nodes[chain[i + 1]], self.nodes[chain[i]]);
-        let point = (1..chain.len()).find(|i| !norm(edge(i - 1)).is_normal()).map(|i| (chain[i], Bend::Point));
+        let point = (1..chain.len()).find(|i| !norm(edge(i - 1)).is_normal()).map(|i| (chain[i - 1], Bend::Point));
         point.or_else(|| {
-            (1..chain.len().saturating_sub(1)).find_map(|i| {
+            let bends = (1..chain.len().saturating_sub(1)).filter_map(|i| {
                 let [before, after] = [edge(i - 1), edge(i)].map(|edge| edge.map(|part| part / norm(edge)));
                 let is_straight = norm(cross(before, after)) <= STRAIGHT;
                 match dot(before, after) > 0.0 {
                     true => (!is_straight).then_some((chain[i], Bend::Turn)),
                     false => Some((chain[i], if is_straight { Bend::Fold } else { Bend::Turn })),
                 }
-            })
+            });
+            bends.clone().find(|(_, bend)| *bend == Bend::Fold).or_else(|| bends.clone().next())
         })
     }
 }

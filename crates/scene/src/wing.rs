@@ -207,7 +207,7 @@ pub struct Membrane {
     pub tension: f64,
 }
 
-/// Vein along a chain of the mesh, straight at rest.
+/// Vein along a chain of the mesh, straight at rest unless it has torsion. Veins with torsion that meet are joined.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Vein {
@@ -219,10 +219,14 @@ pub struct Vein {
     /// Bending stiffness EI at the base, N m².
     #[schemars(range(min = 0.0))]
     pub bending_stiffness: f64,
+    /// Torsional stiffness GJ at the base, N m²: such a vein may curve, and the membrane turns with it.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub torsional_stiffness: f64,
     /// Axial stiffness EA at the base, N.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub axial_stiffness: f64,
-    /// Diameter at the tip by the diameter at the base; mass and EA follow its square, EI its fourth power.
+    /// Diameter at the tip by the diameter at the base; mass and EA follow its square, EI and GJ its fourth power.
     #[serde(default = "one")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub tip_diameter: f64,

@@ -15,7 +15,7 @@ impl Wing {
         let (mesh, before) = (self.mesh.build(), faults.len());
         let checked = Checked { wing: self, key, mesh: &mesh, held: held(self, &mesh) };
         let Some(edges) = checked.mesh(faults).filter(|_| faults.len() == before) else { return };
-        checked.veins(faults);
+        checked.veins(&edges, faults);
         checked.root(&edges, faults);
         checked.regions(faults);
     }
@@ -132,12 +132,22 @@ impl Checked<'_> {
         format!("node {k}, at {},", crate::places::shown(&self.mesh.nodes[k]))
     }
 
-    /// Check that veins are straight lines from base to tip.
-    fn veins(&self, faults: &mut Faults) {
+    /// Check that veins are lines from base to tip, straight ones or along edges of triangles.
+    fn veins(&self, edges: &[MeshEdge], faults: &mut Faults) {
+        let key_of = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+        let edges: BTreeSet<_> = edges.iter().map(|edge| key_of(edge.nodes)).collect();
+        let corners: BTreeSet<_> = self.mesh.triangles.iter().flatten().collect();
+        let mut taken = BTreeSet::new();
         for (i, vein) in self.wing.veins.iter().enumerate() {
             let (key, nodes) = (format!("{}.veins[{i}].chain", self.key), self.vein(i));
             let mut refuse = |reason: String| faults.require(false, &key, format!("{:?}", vein.chain), || reason);
-            let bend = self.mesh.bend(nodes).filter(|(_, bend)| vein.bending_stiffness > 0.0 || *bend != Bend::Turn);
+            let torsion = vein.torsional_stiffness > 0.0;
+            let stiff = vein.bending_stiffness > 0.0;
+            let bend = self.mesh.bend(nodes).filter(|(_, bend)| stiff && !torsion || *bend != Bend::Turn);
+            let mut steps = nodes.windows(2).filter(|_| torsion).map(|ends| [ends[0], ends[1]]);
+            let off =
+                steps.clone().find(|ends| ends.iter().all(|k| corners.contains(k)) && !edges.contains(&key_of(*ends)));
+            let shared = steps.find(|ends| !taken.insert(key_of(*ends)));
             if self.wing.veins[..i].iter().any(|other| other.chain == vein.chain) {
                 refuse("another vein lies along this chain".into());
             } else if nodes.len() < 2 {
@@ -147,16 +157,25 @@ impl Checked<'_> {
                     Bend::Point => format!("its {} and the next lie in one place", self.shown(k)),
                     Bend::Fold => format!("it folds back at its {} and a vein has each place once", self.shown(k)),
                     Bend::Turn => format!(
-                        "it turns at its {} and a vein is straight at rest: split it there, or leave out its bending \
-                         stiffness",
+                        "it turns at its {} and a vein is straight at rest: give it a `torsional_stiffness`, or no \
+                         `bending_stiffness`",
                         self.shown(k)
                     ),
                 });
+            } else if let Some([a, b]) = off {
+                let reason = "share no edge of a triangle: a vein with torsion runs along edges";
+                refuse(format!("its {} and node {b} {reason}", self.shown(a)));
+            } else if let Some([a, b]) = shared {
+                refuse(format!("its {} and node {b} lie on another vein with torsion", self.shown(a)));
             } else if self.held[nodes[nodes.len() - 1]] && !self.held[nodes[0]] {
                 refuse(
                     "it ends at the root, and a vein runs from base to tip: turn the list of its nodes round".into(),
                 );
             }
+            let key = format!("{}.veins[{i}].bending_stiffness", self.key);
+            faults.require(stiff || !torsion, &key, vein.bending_stiffness, || {
+                "a vein with torsion needs it above 0".into()
+            });
         }
     }
 

@@ -6,12 +6,34 @@ use structure::cubic;
 
 use crate::Error;
 use crate::geometry::Vector;
+use crate::twist::Twist;
 
 /// Tolerance of a rotation matrix, for rounding.
 const ORTHOGONAL: f64 = 1e-6;
 
-/// State of a wing between two steps, with the motion of its base.
-pub type WingState = structure::State<3, RigidMotion>;
+/// State of a wing between two steps.
+pub type WingState = structure::State<3, Memory>;
+
+/// Memory of a wing alone.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Pose of the base.
+    pub base: RigidMotion,
+    /// Directors of the segments of veins with torsion, vein after vein.
+    pub twists: Vec<Twist>,
+}
+
+impl Clone for Memory {
+    fn clone(&self) -> Self {
+        Self { base: self.base, twists: self.twists.clone() }
+    }
+
+    /// Copy without allocation.
+    fn clone_from(&mut self, other: &Self) {
+        self.base = other.base;
+        self.twists.clone_from(&other.twists);
+    }
+}
 
 /// Pose and motion of the base at the end of the next step: a node at X at rest moves to o + d + R (X − o).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

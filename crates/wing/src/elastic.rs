@@ -1,6 +1,6 @@
 //! Elastic energy of the wing with gradient, in the order membrane, plate, veins.
 
-use mesh::{Bend, Mesh};
+use mesh::{Bend, Mesh, MeshEdge};
 use nalgebra::Matrix3;
 
 use crate::face::{Face, FaceShape};
@@ -8,6 +8,7 @@ use crate::geometry::{Geometry, Vector, refused};
 use crate::parameters::{Parameters, Support, Vein};
 use crate::plate::{Hinge, Side, compliance};
 use crate::sparse::Symmetric;
+use crate::twist::Twists;
 use crate::vein::{Segment, Vertex};
 use crate::{Energy, Error, WingError};
 
@@ -22,6 +23,7 @@ pub(crate) struct Elastic {
     pub(crate) face_hinges: Vec<[Option<usize>; 3]>,
     pub(crate) segments: Vec<Segment>,
     pub(crate) vertices: Vec<Vertex>,
+    pub(crate) twists: Twists,
     /// Inverse of C_T among the edges of a triangle that have a hinge, N m; 0 for other edges.
     pub(crate) bending: Vec<Matrix3<f64>>,
     /// Compliance of the torsion spring of each hinge, rad/(N m); 0 without a spring.
@@ -57,7 +59,9 @@ impl Elastic {
         let faces: Vec<_> =
             triangles.clone().map(|t| Face::new(mesh.triangles[t], corners(t), parameters.membrane(t))).collect();
         let shapes: Vec<_> = triangles.clone().filter_map(|t| FaceShape::new(corners(t))).collect();
-        let (hinges, face_hinges) = hinges(parameters, held, &shapes)?;
+        let edges = mesh.edges().map_err(refused)?;
+        let twists = Twists::new(parameters, held, &edges, &shapes)?;
+        let (hinges, face_hinges) = hinges(parameters, held, &shapes, &edges, &twists);
         let mut compliances = Vec::new();
         let mut bending = vec![Matrix3::zeros(); faces.len()];
         for t in triangles.filter(|&t| face_hinges[t].iter().any(Option::is_some)) {
@@ -116,6 +120,7 @@ impl Elastic {
             face_hinges,
             segments,
             vertices,
+            twists,
             bending,
             springs,
             compliance,
@@ -167,9 +172,18 @@ impl Elastic {
             }
         }
         for (hinge, moment) in self.hinges.iter().zip(&mut self.moments) {
-            if let Side::Support(_) = hinge.second {
-                *moment -= tau * self.omega.dot(&hinge.edge(x).normalize());
+            match hinge.second {
+                Side::Support(_) => *moment -= tau * self.omega.dot(&hinge.edge(x).normalize()),
+                Side::Vein(strand, along) => *moment -= tau * along * self.twists.spins[strand],
+                Side::Face(..) => (),
             }
+        }
+    }
+
+    /// Find angles anew, as directors have changed.
+    pub(crate) fn forget_shape(&mut self) {
+        if !self.twists.strands.is_empty() {
+            self.found_at.0.clear();
         }
     }
 
@@ -180,6 +194,7 @@ impl Elastic {
         }
         self.found_at.0.clear();
         self.without_rates = false;
+        self.twists.carry(x, &self.support);
         for (shape, face) in self.shapes.iter_mut().zip(&self.faces) {
             let [a, b, _] = face.nodes;
             let lost = WingError::Fold { nodes: [a, b], what: "a triangle there has lost its area" };
@@ -192,7 +207,7 @@ impl Elastic {
                 nodes: [a, b],
                 what: "the triangles beside this edge turn by more than 160°; stiffer bending helps",
             };
-            self.turns.push(hinge.turn(x, &self.shapes, &self.support).ok_or(folded)?);
+            self.turns.push(hinge.turn(x, &self.shapes, &self.support, &self.twists).ok_or(folded)?);
         }
         self.found_at.0.extend_from_slice(x);
         self.found_at.1 = self.support;
@@ -212,6 +227,7 @@ impl Elastic {
         for vertex in &self.vertices {
             veins += vertex.energy(x, self.support * vertex.direction).ok_or_else(|| folded(vertex))?;
         }
+        veins += self.twists.energy(&self.support)?;
         Ok(Energy { stretching, bending, veins, ..Energy::default() })
     }
 
@@ -245,7 +261,16 @@ impl Elastic {
             gradient[node] -= after;
             gradient[next] += after;
         }
-        Ok(())
+        if self.twists.strands.is_empty() {
+            return Ok(());
+        }
+        self.twists.torques.fill(0.0);
+        for (hinge, moment) in self.hinges.iter().zip(&self.moments) {
+            if let Side::Vein(strand, along) = hinge.second {
+                self.twists.torques[strand] -= along * moment;
+            }
+        }
+        self.twists.add_gradient(x, &self.support, gradient)
     }
 
     /// Remember the angles of the hinges in the shape `x`.
@@ -329,19 +354,29 @@ pub(crate) fn folded(vertex: &Vertex) -> WingError {
 }
 
 /// Return the edges with moments, and the hinge opposite to each corner of each triangle.
-#[allow(clippy::type_complexity)]
 fn hinges(
     parameters: &Parameters,
     held: &[bool],
     shapes: &[FaceShape],
-) -> Result<(Vec<Hinge>, Vec<[Option<usize>; 3]>), Error> {
+    edges: &[MeshEdge],
+    twists: &Twists,
+) -> (Vec<Hinge>, Vec<[Option<usize>; 3]>) {
     let mesh = &parameters.mesh;
     let bends = |t: usize| parameters.membrane(t).bending_stiffness > 0.0;
     let rigid = |t: usize| mesh.triangles[t].iter().all(|&k| held[k]);
     let supported = parameters.root.support != Support::Pinned;
     let mut hinges = Vec::new();
     let mut face_hinges = vec![[None; 3]; mesh.triangles.len()];
-    for edge in mesh.edges().map_err(refused)? {
+    for edge in edges {
+        if let Some((strand, _)) = twists.between(edge.nodes).filter(|(strand, _)| !twists.strands[*strand].rigid) {
+            for first in [Some(edge.first), edge.second].into_iter().flatten().filter(|(t, _)| bends(*t)) {
+                let nodes = [1, 2].map(|k| mesh.triangles[first.0][(first.1 + k) % 3]);
+                let along = if twists.strands[strand].nodes == nodes { 1.0 } else { -1.0 };
+                face_hinges[first.0][first.1] = Some(hinges.len());
+                hinges.push(Hinge { nodes, first, second: Side::Vein(strand, along), rest: 0.0 });
+            }
+            continue;
+        }
         let ends_held = edge.nodes.iter().all(|&k| held[k]);
         // The first triangle of a hinge always bends; the second does, or it is part of the support.
         let (first, second) = match (edge.first, edge.second) {
@@ -365,7 +400,7 @@ fn hinges(
         let nodes = [1, 2].map(|k| mesh.triangles[first.0][(first.1 + k) % 3]);
         hinges.push(Hinge { nodes, first, second: side, rest: 0.0 });
     }
-    Ok((hinges, face_hinges))
+    (hinges, face_hinges)
 }
 
 /// Add the springs of a vein.
@@ -378,11 +413,11 @@ fn add_vein(
     vertices: &mut Vec<Vertex>,
 ) -> Result<(), Error> {
     if let Some((k, bend)) = mesh.bend(&vein.nodes)
-        && (vein.bending_stiffness > 0.0 || bend != Bend::Turn)
+        && (vein.bending_stiffness > 0.0 && vein.torsional_stiffness == 0.0 || bend != Bend::Turn)
     {
         let allowed = match bend {
             Bend::Point => "followed by a node at another place",
-            _ => "on a straight line at rest: a curved vein needs a material frame; split it where it turns",
+            _ => "on a straight line at rest: a curved vein needs a torsional stiffness",
         };
         return Err(Error::value(format!("veins.{}.nodes", vein.name), k, allowed));
     }
@@ -400,7 +435,7 @@ fn add_vein(
             mass: vein.line_density * length * (start * start + 4.0 * middle * middle + end * end) / 6.0,
         });
     }
-    if vein.bending_stiffness == 0.0 {
+    if vein.bending_stiffness == 0.0 || vein.torsional_stiffness > 0.0 {
         return Ok(());
     }
     // Half of each segment that bends belongs to the vertex.

@@ -7,7 +7,8 @@
 //! x are the positions of the nodes and M is the consistent mass matrix of linear elements. The membrane strains by
 //! constant-strain triangles with the law of St. Venant–Kirchhoff and an isotropic pretension ([`Membrane`]). It
 //! bends as a plate of Kirchhoff with constant moments in each triangle and hinges at the edges (`plate`). Veins are
-//! chains of nodes with the springs of the elastic rod ([`rod`]). The root is free, or it is held and moves as a
+//! chains of nodes with the springs of the elastic rod ([`rod`]); with torsion they have directors and may curve
+//! (`twist`). The root is free, or it is held and moves as a
 //! rigid body ([`RigidMotion`]). Time schemes are those of [`structure`]. All quantities are in SI units.
 
 #![forbid(unsafe_code)]
@@ -28,15 +29,17 @@ mod statics;
 mod step;
 mod supernodes;
 mod system;
+mod twist;
 mod vein;
 mod wing;
 
 pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
 pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
-pub use crate::base::{RigidMotion, WingState};
+pub use crate::base::{Memory, RigidMotion, WingState};
 pub use crate::error::{Error, WingError};
 pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
+pub use crate::twist::Twist;
 pub use crate::wing::{Energy, Wing};
 
 /// The example of the README, as a test.

@@ -45,7 +45,7 @@ impl Wing {
                 .map(|vector| {
                     elastic.mass_times(vector, product);
                     let image = product.clone();
-                    newton.system.solve(product);
+                    newton.system.solve(product, &[]);
                     (0..nodes).for_each(|k| vector[k] = newton.system.update_of(k));
                     image
                 })

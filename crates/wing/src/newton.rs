@@ -29,8 +29,9 @@ const UNSOLVED: Imbalance = Imbalance { residual: f64::INFINITY, tolerance: 0.0,
 /// Solver with its scratch.
 pub(crate) struct Newton {
     pub(crate) system: System,
-    /// r, N: `[nodes]`.
+    /// r, N: `[nodes]`, and of the directors, N m: `[strands]`.
     residual: Vec<Vector>,
+    torques: Vec<f64>,
     /// u, m, and M u: `[nodes]`.
     moved: Vec<Vector>,
     inertia: Vec<Vector>,
@@ -61,6 +62,7 @@ impl Newton {
         Self {
             system,
             residual: zeros(),
+            torques: vec![0.0; elastic.twists.strands.len()],
             moved: zeros(),
             inertia: zeros(),
             velocity: zeros(),
@@ -122,8 +124,8 @@ impl Newton {
                 guarded |= !self.factorise(elastic, balance, x, statistics)?;
                 statistics.factorisations += 1;
             }
-            self.system.solve(&self.residual);
-            // Share of the update that changes no edge by more than its own length.
+            self.system.solve(&self.residual, &self.torques);
+            // Share of the update that changes no edge by more than its own length and turns no director by 1 rad.
             let allowed = 1.0 / self.edge_change(x);
             let before = imbalance.residual;
             let whole;
@@ -177,11 +179,12 @@ impl Newton {
         origin: &[Vector],
         x: &[Vector],
     ) -> Result<Imbalance, WingError> {
-        let Self { system, residual, moved, inertia, velocity, .. } = self;
+        let Self { system, residual, torques, moved, inertia, velocity, .. } = self;
         for (k, first) in system.unknowns.iter().enumerate() {
             moved[k] = if first.is_some() { x[k] - origin[k] } else { Vector::zeros() };
             velocity[k] = moved[k] * balance.rate + balance.velocity[k];
         }
+        elastic.twists.set_spins(balance.rate);
         elastic.mass_times(moved, inertia);
         elastic.gradient(x, velocity, residual)?;
         let mut measure = Residual::default();
@@ -193,11 +196,15 @@ impl Newton {
             *r = of_node - *r * balance.elastic;
             measure.add(*r, of_node, balance.load[k]);
         }
+        for (k, (torque, strand)) in torques.iter_mut().zip(&elastic.twists.strands).enumerate() {
+            *torque = if strand.rigid { 0.0 } else { -elastic.twists.torques[k] * balance.elastic };
+            measure.add(Vector::repeat(*torque / strand.length), Vector::zeros(), Vector::zeros());
+        }
         let extent = x.iter().fold(self.size, |largest, x| largest.max(x.amax()));
         Ok(measure.imbalance(RELATIVE_RESIDUAL, extent, self.stiffness))
     }
 
-    /// Return the largest change of an edge by the update, relative to its length.
+    /// Return the largest change of an edge by the update, relative to its length, or turn of a director, rad.
     fn edge_change(&self, x: &[Vector]) -> f64 {
         let (mut largest, mut sum) = (0.0_f64, 0.0);
         for &[a, b] in &self.edges {
@@ -205,6 +212,10 @@ impl Newton {
             let length = (x[b] - x[a]).norm_squared();
             largest = largest.max(change / length);
             sum += change;
+        }
+        for k in 0..self.torques.len() {
+            let turn = self.system.turn_of(k).powi(2);
+            (largest, sum) = (largest.max(turn), sum + turn);
         }
         // `max` skips NaN, a sum does not.
         if sum.is_nan() { f64::INFINITY } else { largest.sqrt() }
@@ -223,14 +234,20 @@ impl Newton {
         self.before.copy_from_slice(x);
         self.velocity_before.copy_from_slice(&self.velocity);
         let along = |newton: &Self| -> f64 {
-            newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k))).sum()
+            let turns = newton.torques.iter().enumerate().map(|(k, torque)| torque * newton.system.turn_of(k));
+            let moves = newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k)));
+            moves.chain(turns).sum()
         };
+        elastic.twists.mark();
         let first = along(self);
         let mut last = UNSOLVED.error(statistics);
         for _ in 0..BACKTRACKS {
             for (k, x) in x.iter_mut().enumerate() {
                 *x = self.before[k] + self.system.update_of(k) * share;
             }
+            elastic.twists.back_to_mark();
+            elastic.twists.turn(share, |k| self.system.turn_of(k));
+            elastic.forget_shape();
             match self.find_residual(elastic, balance, origin, x) {
                 // A component that stays positive means that the minimum lies further on.
                 Ok(imbalance) if along(self) >= -REMAINDER * first => return Ok((imbalance, share == 1.0)),

@@ -6,7 +6,7 @@ use structure::{Scheme, check_scheme, not_negative, positive};
 
 use crate::geometry::refused;
 use crate::section::Section;
-use crate::{Error, Wing};
+use crate::{Error, Wing, twist};
 
 /// Material of a region of the membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub struct Membrane {
     pub tension: f64,
 }
 
-/// Vein along a chain of nodes; its rest shape is straight.
+/// Vein along a chain of nodes; without torsion its rest shape is straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Vein {
     /// Name.
@@ -34,11 +34,16 @@ pub struct Vein {
     pub line_density: f64,
     /// Bending stiffness EI at the base, N m².
     pub bending_stiffness: f64,
+    /// Torsional stiffness GJ at the base, N m²; 0 for a vein without torsion.
+    ///
+    /// A vein with torsion may curve and branch: where it begins or ends at a node of another one, both are joined
+    /// rigidly. The membrane beside it turns with it.
+    pub torsional_stiffness: f64,
     /// Axial stiffness EA at the base, N.
     pub axial_stiffness: f64,
     /// Diameter at each node by the diameter at the base; empty for a uniform vein.
     ///
-    /// Mass and EA follow its square, EI its fourth power.
+    /// Mass and EA follow its square, EI and GJ its fourth power.
     pub diameter: Vec<f64>,
 }
 
@@ -113,10 +118,10 @@ impl Membrane {
 }
 
 impl Vein {
-    /// Return a uniform vein.
+    /// Return a uniform vein without torsion.
     pub fn new(name: &str, nodes: &[usize], line_density: f64, bending_stiffness: f64, axial_stiffness: f64) -> Self {
         let (name, nodes, diameter) = (name.into(), nodes.to_vec(), Vec::new());
-        Self { name, nodes, line_density, bending_stiffness, axial_stiffness, diameter }
+        Self { name, nodes, line_density, bending_stiffness, torsional_stiffness: 0.0, axial_stiffness, diameter }
     }
 
     /// Return the diameter at the place `i`, by the diameter at the base.
@@ -193,6 +198,7 @@ impl Parameters {
             positive(name("line_density"), vein.line_density)?;
             positive(name("axial_stiffness"), vein.axial_stiffness)?;
             not_negative(name("bending_stiffness"), vein.bending_stiffness)?;
+            not_negative(name("torsional_stiffness"), vein.torsional_stiffness)?;
             if vein.nodes.len() < 2 || vein.nodes.iter().any(|&k| k >= nodes) {
                 return Err(Error::value(
                     name("nodes"),
@@ -203,6 +209,7 @@ impl Parameters {
             if !vein.diameter.is_empty() {
                 Error::check_length(name("diameter"), vein.diameter.len(), vein.nodes.len())?;
             }
+            twist::check(vein, &self.mesh)?;
             for (i, &ratio) in vein.diameter.iter().enumerate() {
                 positive(name(&format!("diameter[{i}]")), ratio)?;
             }

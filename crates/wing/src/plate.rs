@@ -15,12 +15,14 @@
 //! frequency of a cantilever plate is then 48 % off on a mesh with alternating diagonals.
 //!
 //! A held edge has one triangle and turns from the normal of the support; a torsion spring there adds its compliance.
+//! On a vein with torsion each triangle has an edge of its own, which turns from the director of the vein.
 //! C⁻¹ is full, so Newton's matrix has the turn of each edge as an unknown beside the nodes (`system`).
 
 use nalgebra::Matrix3;
 
 use crate::face::{EdgeFrame, Face, FaceShape};
 use crate::geometry::Vector;
+use crate::twist::Twists;
 
 /// Limit of cos θ: an edge that turns further counts as folded.
 const FOLD: f64 = -0.95;
@@ -41,15 +43,24 @@ pub(crate) enum Side {
     Face(usize, usize),
     /// Support with this normal at rest.
     Support(Vector),
+    /// Director of a segment of a vein, which runs along (1) or against (−1) the edge.
+    Vein(usize, f64),
 }
 
 impl Hinge {
     /// Return θ in the shape `x`, rad, with the `support` turned; `None` at a fold.
-    pub(crate) fn turn(&self, x: &[Vector], shapes: &[FaceShape], support: &Matrix3<f64>) -> Option<f64> {
+    pub(crate) fn turn(
+        &self,
+        x: &[Vector],
+        shapes: &[FaceShape],
+        support: &Matrix3<f64>,
+        twists: &Twists,
+    ) -> Option<f64> {
         let first = &shapes[self.first.0].normal;
         let other = match self.second {
             Side::Face(t, _) => shapes[t].normal,
             Side::Support(normal) => support * normal,
+            Side::Vein(strand, _) => *twists.director(strand),
         };
         let edge = self.edge(x);
         let (sin, cos) = (other.cross(first).dot(&edge) / edge.norm(), other.dot(first));

@@ -2,7 +2,7 @@
 
 use structure::{Structure, find_equilibrium};
 
-use crate::{Error, Wing, WingState};
+use crate::{Error, Memory, Wing, WingState};
 
 impl Wing {
     /// Move to the equilibrium under the present loads, at rest, as before a first step; ignore the impedance.
@@ -17,8 +17,10 @@ impl Wing {
         }
         self.collect_loads()?;
         let settled = find_equilibrium(self);
+        let twists = self.elastic.twists.at_rest();
         self.align();
-        self.core.state = WingState::at_rest(settled?, self.core.state.own.stopped());
+        let base = self.core.state.own.base.stopped();
+        self.core.state = WingState::at_rest(settled?, Memory { base, twists });
         self.align();
         self.core.publish();
         Ok(())

@@ -3,7 +3,7 @@
 use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
 use crate::geometry::Vector;
-use crate::{Energy, Error, RigidMotion, Wing, WingError};
+use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
 
 /// Energy that a wing may gain in a sub-step beyond the work of its loads, by the energy that it exchanges. At long
 /// steps Newton's method may find another solution, as of wrinkles, and each one may add energy.
@@ -24,7 +24,7 @@ pub(crate) struct EnergyBefore {
 }
 
 impl Structure<3> for Wing {
-    type Own = RigidMotion;
+    type Own = Memory;
     type Failure = WingError;
     type Base = RigidMotion;
 
@@ -32,16 +32,16 @@ impl Structure<3> for Wing {
     const HALVINGS: u32 = 12;
     const LOAD_GROWTH: u32 = 1;
 
-    fn core(&self) -> &Core<3, RigidMotion> {
+    fn core(&self) -> &Core<3, Memory> {
         &self.core
     }
 
-    fn core_mut(&mut self) -> &mut Core<3, RigidMotion> {
+    fn core_mut(&mut self) -> &mut Core<3, Memory> {
         &mut self.core
     }
 
     fn next_base(&self) -> Result<RigidMotion, Error> {
-        let base = self.base_motion.unwrap_or(self.core.state.own.stopped());
+        let base = self.base_motion.unwrap_or(self.core.state.own.base.stopped());
         base.check()?;
         Ok(base)
     }
@@ -110,15 +110,18 @@ impl Structure<3> for Wing {
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<RigidMotion>) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
-        let placement = core.before.own.towards(span.base, span.to, span.duration);
+        let placement = core.before.own.base.towards(span.base, span.to, span.duration);
         let origin = Vector::from(self.parameters.root.origin);
         core.predict(rule, span.dt, |rest| placement.node(origin, rest - origin));
         core.balance.diagonal.fill(0.0);
         elastic.mass_times(&core.blend, &mut core.balance.load);
         core.set_balance(rule, load_part, |_| 0.0);
         let base = placement.motion();
+        elastic.twists.predict(&core.state.own.twists, rule, span.dt, core.state.last_step);
+        elastic.forget_shape();
         (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
         newton.solve(elastic, &core.balance, &core.state.positions, &mut core.guess, &mut core.statistics)?;
+        elastic.twists.correct(rule, &mut core.state.own.twists);
         core.correct(rule, span.dt);
         if rule.old_force != 0.0 {
             elastic.mass_times(&core.blend, &mut core.product);
@@ -126,7 +129,7 @@ impl Structure<3> for Wing {
                 *net = (blended - *net * rule.old_force) / rule.new_force;
             }
         }
-        core.state.own = base;
+        core.state.own.base = base;
         Ok(())
     }
 
@@ -147,7 +150,7 @@ impl Structure<3> for Wing {
     }
 
     fn complete(&mut self, base: &RigidMotion) -> Result<Option<Reaction<3>>, Error> {
-        self.core.state.own = *base;
+        self.core.state.own.base = *base;
         self.align();
         if self.parameters.root.nodes.is_empty() {
             return Ok(None);
@@ -172,8 +175,11 @@ impl Structure<3> for Wing {
 
     /// Turn the support of the elastic energy as the state says.
     fn align(&mut self) {
-        let base = &self.core.state.own;
-        (self.elastic.support, self.elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
+        let Self { core, elastic, .. } = self;
+        let base = &core.state.own.base;
+        (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
+        elastic.twists.set(&core.state.own.twists, &core.state.positions);
+        elastic.forget_shape();
     }
 
     fn forget(&mut self) {
@@ -183,19 +189,26 @@ impl Structure<3> for Wing {
     fn find_elastic_forces(&mut self) -> Result<(), Error> {
         let Self { core, elastic, .. } = self;
         elastic.omega = Vector::zeros();
+        elastic.twists.keep();
         elastic.gradient(&core.state.positions, &core.balance.velocity, &mut core.product)?;
         Ok(())
     }
 
     fn solve(&mut self, origin: &[Vector]) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
-        newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics)
+        elastic.twists.keep();
+        let solved = newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics);
+        if solved.is_err() {
+            elastic.twists.back_to_kept();
+            elastic.forget_shape();
+        }
+        solved
     }
 }
 
 impl Mounted for Wing {
     fn centre(&self) -> Vector {
-        Vector::from(self.parameters.root.origin) + Vector::from(self.core.state.own.displacement)
+        Vector::from(self.parameters.root.origin) + Vector::from(self.core.state.own.base.displacement)
     }
 
     fn factorise(&mut self) -> Result<(), Error> {
@@ -211,7 +224,7 @@ impl Mounted for Wing {
 
     fn displace(&mut self) {
         let Self { core, newton, .. } = self;
-        newton.system.solve(&core.product);
+        newton.system.solve(&core.product, &[]);
         core.product.iter_mut().enumerate().for_each(|(k, product)| *product = newton.system.update_of(k));
     }
 }
@@ -262,7 +275,7 @@ impl Wing {
     ///
     /// The work of a root that moves is known to first order only, too coarse for a check.
     fn has_no_drive(&self, base: &RigidMotion) -> bool {
-        let before = &self.core.before.own;
+        let before = &self.core.before.own.base;
         let still = |base: &RigidMotion| *base == base.stopped();
         let held = (base.displacement, base.rotation) == (before.displacement, before.rotation)
             && still(base)

@@ -1,6 +1,7 @@
 //! Newton's matrix: pattern and assembly.
 //!
-//! The unknowns are the free nodes, then the turns α of the edges with hinges. With the weights w of the masses, d
+//! The unknowns are the free nodes, then the turns φ of directors (`twist`), then the turns α of the edges with
+//! hinges. With the weights w of the masses, d
 //! of the impedance and s of the elastic forces, and the Hessian ∂²U/∂x∂x at constant moments, the matrix of
 //! the nodes is w M + d + s ∂²U/∂x∂x + s Bᵀ C⁻¹ B, B = ∂θ/∂x. The last term is full. But B = Σ B_T
 //! and C = Σ C_T are sums over the triangles, and each triangle has moments of its own if α makes them equal on
@@ -23,6 +24,7 @@ use crate::face::PAIRS;
 use crate::geometry::Vector;
 use crate::plate::{Side, add_hessian, stiffness};
 use crate::sparse::Symmetric;
+use crate::twist::{FREEDOMS, Joint};
 use crate::{Error, WingError};
 
 /// Place of an entry of a held node.
@@ -30,6 +32,9 @@ const NOWHERE: u32 = u32::MAX;
 
 /// Places of the blocks (j, k) of three nodes, [`PAIRS`], row by row.
 type Places = [[u32; 9]; 6];
+
+/// Places of the entries of a joint of veins.
+type JointPlaces = [[u32; FREEDOMS]; FREEDOMS];
 
 /// Places of the entries of the turns of a triangle: by the components of its corners, and by its turns.
 struct TurnPlaces {
@@ -53,6 +58,10 @@ pub(crate) struct System {
     faces: Vec<Places>,
     segments: Vec<Places>,
     vertices: Vec<Places>,
+    /// Places of the entries of each joint.
+    joints: Vec<JointPlaces>,
+    /// Unknown of the turn of each segment with a director; `None` if the root holds it.
+    pub(crate) twists: Vec<Option<usize>>,
     turns: Vec<TurnPlaces>,
     springs: Vec<u32>,
     /// Unknowns of the update: `[order]`.
@@ -71,8 +80,17 @@ impl System {
             })
             .collect();
         let mut order = positions;
+        let twists = elastic.twists.strands.iter().map(|strand| {
+            let unknown = (!strand.rigid).then_some(order);
+            order += usize::from(!strand.rigid);
+            unknown
+        });
+        let twists: Vec<_> = twists.collect();
         // An edge that the support clamps does not turn by itself.
         let turns = elastic.hinges.iter().zip(&elastic.springs).map(|(hinge, &spring)| {
+            if let Side::Vein(strand, _) = hinge.second {
+                return twists[strand];
+            }
             let unknown = (matches!(hinge.second, Side::Face(..)) || spring > 0.0).then_some(order);
             order += usize::from(unknown.is_some());
             unknown
@@ -102,6 +120,17 @@ impl System {
                 face.nodes.iter().filter_map(|&k| unknowns[k]).for_each(|k| (0..3).for_each(|i| add(turn, k + i)));
                 of_face(t).into_iter().flatten().for_each(|other| add(turn, other));
             }
+        }
+        let freedoms = |joint: &Joint| -> [Option<usize>; FREEDOMS] {
+            let strands = [joint.before, Some(joint.after)];
+            std::array::from_fn(|i| match i {
+                0..12 => unknowns[elastic.twists.strands[strands[i / 6]?].nodes[i / 3 % 2]].map(|first| first + i % 3),
+                _ => twists[strands[i - 12]?],
+            })
+        };
+        for joint in &elastic.twists.joints {
+            let own = freedoms(joint);
+            own.iter().flatten().for_each(|i| own.iter().flatten().for_each(|j| add(*i, *j)));
         }
         let matrix = Symmetric::new(order, pattern)?;
 
@@ -135,11 +164,26 @@ impl System {
                     })
                 }),
                 signs: std::array::from_fn(|i| match elastic.face_hinges[t][i] {
-                    Some(e) if elastic.hinges[e].first != (t, i) => -1.0,
-                    _ => 1.0,
+                    Some(e) => match elastic.hinges[e].second {
+                        Side::Vein(_, along) => along,
+                        _ if elastic.hinges[e].first != (t, i) => -1.0,
+                        _ => 1.0,
+                    },
+                    None => 1.0,
                 }),
             }
         });
+        let joints = elastic.twists.joints.iter().map(|joint| {
+            let own = freedoms(joint);
+            std::array::from_fn(|i| {
+                std::array::from_fn(|j| match (own[i], own[j]) {
+                    // Two freedoms may be one: both entries then belong to its diagonal.
+                    (Some(row), Some(column)) if row >= column => place(row, column),
+                    _ => NOWHERE,
+                })
+            })
+        });
+        let joints = joints.collect();
         let of_faces = faces.collect();
         let springs = turns.iter().map(|turn| turn.map_or(NOWHERE, |i| place(i, i))).collect();
         Ok(Self {
@@ -152,6 +196,8 @@ impl System {
             positions,
             segments,
             vertices,
+            joints,
+            twists,
             turns: of_faces,
             springs,
         })
@@ -172,7 +218,7 @@ impl System {
         self.rotations.fill(Matrix3::identity());
         let &Balance { mass, ref diagonal, ref across, elastic: s, rate, .. } = balance;
         let viscous = 1.0 + elastic.relaxation_time * rate;
-        let Self { matrix, nodes, faces, segments, vertices, turns, springs, unknowns, .. } = self;
+        let Self { matrix, nodes, faces, segments, vertices, joints, turns, springs, unknowns, .. } = self;
         let values = &mut matrix.values;
         values.fill(0.0);
         for (t, (places, face)) in faces.iter().zip(&elastic.faces).enumerate() {
@@ -242,6 +288,16 @@ impl System {
                 scatter(values, places, &(block * s));
             }
         }
+        for (places, joint) in joints.iter().zip(&elastic.twists.joints) {
+            let hessian = elastic.twists.hessian(joint, x, &elastic.support, safe)?;
+            for (i, row) in places.iter().enumerate() {
+                for (j, &place) in row.iter().enumerate() {
+                    if place != NOWHERE {
+                        values[place as usize] += s * hessian[(i, j)];
+                    }
+                }
+            }
+        }
         for (&place, &compliance) in springs.iter().zip(&elastic.springs) {
             if place != NOWHERE && compliance > 0.0 {
                 values[place as usize] += s * viscous / compliance;
@@ -278,9 +334,13 @@ impl System {
         true
     }
 
-    /// Solve for the update of the nodes under `residual`, N: `[nodes]`; the result is in `update`.
-    pub(crate) fn solve(&mut self, residual: &[Vector]) {
+    /// Solve for the update of the nodes under `residual`, N: `[nodes]`, and `torques` on the directors, N m:
+    /// `[strands]` or empty; the result is in `update`.
+    pub(crate) fn solve(&mut self, residual: &[Vector], torques: &[f64]) {
         self.update.fill(0.0);
+        for (unknown, torque) in self.twists.iter().zip(torques) {
+            unknown.iter().for_each(|i| self.update[*i] = *torque);
+        }
         for ((first, residual), rotation) in self.unknowns.iter().zip(residual).zip(&self.rotations) {
             if let Some(first) = *first {
                 self.update[first..first + 3].copy_from_slice(rotation.tr_mul(residual).as_slice());
@@ -293,6 +353,11 @@ impl System {
                 self.update[first..first + 3].copy_from_slice(turned.as_slice());
             }
         }
+    }
+
+    /// Return the update of the turn of the director `k`.
+    pub(crate) fn turn_of(&self, k: usize) -> f64 {
+        self.twists[k].map_or(0.0, |i| self.update[i])
     }
 
     /// Return the update of node `k`.

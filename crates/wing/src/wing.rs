@@ -4,7 +4,7 @@ use ::geometry::Crossings;
 use structure::{Core, Loads, Statistics, Structure};
 
 use crate::Error;
-use crate::base::{RigidMotion, WingState};
+use crate::base::{Memory, RigidMotion, WingState};
 use crate::elastic::Elastic;
 use crate::geometry::{Geometry, Vector};
 use crate::newton::Newton;
@@ -45,7 +45,7 @@ pub struct Wing {
     /// Pose of the base at the end of the next step; `None` for a base at rest, and for a free wing.
     pub base_motion: Option<RigidMotion>,
     pub(crate) parameters: Parameters,
-    pub(crate) core: Core<3, RigidMotion>,
+    pub(crate) core: Core<3, Memory>,
     pub(crate) elastic: Elastic,
     /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
@@ -88,7 +88,7 @@ impl Wing {
         let gravity = Vector::from(parameters.gravity);
         let newton = Newton::new(system, &elastic, &rest, size);
         let mut core = Core::new(
-            WingState::at_rest(rest, RigidMotion::rest()),
+            WingState::at_rest(rest, Memory { base: RigidMotion::rest(), twists: elastic.twists.at_rest() }),
             held,
             masses.iter().map(|mass| gravity * *mass).collect(),
             parameters.scheme,
@@ -182,12 +182,15 @@ impl Wing {
         Ok(whole - acceleration.iter().zip(&state.velocities).map(|(f, v)| f.dot(v)).sum::<f64>())
     }
 
-    /// Return the elastic force on each node in the shape `x` at rest, N: minus the gradient of the energy.
+    /// Return the elastic force on each node in the shape `x` at rest, N: minus the gradient of the energy. Veins
+    /// with torsion keep their twist.
     pub fn elastic_forces(&mut self, x: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
         Error::check_length("x", x.len(), self.nodes())?;
         let x: Vec<_> = x.iter().map(|x| Vector::from(*x)).collect();
         let still = vec![Vector::zeros(); x.len()];
-        self.elastic.gradient(&x, &still, &mut self.core.product)?;
+        let found = self.elastic.gradient(&x, &still, &mut self.core.product);
+        self.align();
+        found?;
         Ok(self.core.product.iter().map(|force| (-force).into()).collect())
     }
 
@@ -200,13 +203,17 @@ impl Wing {
     /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base
     /// at rest; `None` for a wing without a line of the root or without triangles.
     pub fn twist(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.twist(&self.core.state.positions, &self.core.state.own.matrix()))
+        self.section
+            .as_ref()
+            .map(|section| section.twist(&self.core.state.positions, &self.core.state.own.base.matrix()))
     }
 
     /// Return the largest distance of the membrane from that chord, by its length, positive on the side of the normals
     /// of the triangles; `None` as the twist.
     pub fn camber(&self) -> Option<f64> {
-        self.section.as_ref().map(|section| section.camber(&self.core.state.positions, &self.core.state.own.matrix()))
+        self.section
+            .as_ref()
+            .map(|section| section.camber(&self.core.state.positions, &self.core.state.own.base.matrix()))
     }
 
     /// Return the effort of the last step.
@@ -225,8 +232,11 @@ impl Wing {
     /// The wing refuses a state with another number of nodes, with numbers that are not finite or with a folded shape.
     pub fn restore(&mut self, state: &WingState) -> Result<(), Error> {
         state.check(self.nodes())?;
-        state.own.check()?;
-        self.elastic.support = state.own.matrix();
+        state.own.base.check()?;
+        self.elastic.twists.check(&state.own.twists, &state.positions)?;
+        self.elastic.support = state.own.base.matrix();
+        self.elastic.twists.set(&state.own.twists, &state.positions);
+        self.elastic.forget_shape();
         let shape = self.elastic.energy(&state.positions);
         if shape.is_ok() {
             self.core.restore(state);
@@ -241,7 +251,9 @@ impl Wing {
         motion.check()?;
         let origin = Vector::from(self.parameters.root.origin);
         let placement = motion.towards(&motion, 1.0, 1.0);
-        let mut state = WingState::at_rest(self.core.rest.clone(), motion);
+        let (rotation, omega) = (motion.matrix(), Vector::from(motion.angular_velocity));
+        let twists = self.elastic.twists.placed(&self.core.rest, &rotation, &omega);
+        let mut state = WingState::at_rest(self.core.rest.clone(), Memory { base: motion, twists });
         for (k, rest) in self.core.rest.iter().enumerate() {
             let [x, v, _] = placement.node(origin, rest - origin);
             (state.positions[k], state.velocities[k]) = (x, v);

@@ -318,7 +318,7 @@ fn a_held_node_has_the_acceleration_of_its_base() {
         for &k in &wing.parameters().root.nodes {
             let [x, y, z] = wing.parameters().mesh.nodes[k];
             let state = wing.state();
-            let (omegas, arm) = (state.own.angular_velocity, turned(phi, omega).rotation);
+            let (omegas, arm) = (state.own.base.angular_velocity, turned(phi, omega).rotation);
             let r: [f64; 3] = std::array::from_fn(|i| arm[i][0] * x + arm[i][1] * y + arm[i][2] * z);
             let axis: [f64; 3] = std::array::from_fn(|i| omegas[i] / omega);
             let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {

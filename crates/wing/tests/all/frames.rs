@@ -5,17 +5,23 @@ use nervure_wing::{Membrane, Parameters, RigidMotion, Root, Vein, Wing, rectangl
 
 type Vector = Vector3<f64>;
 
-/// A damped wing with a tapered vein on a clamped root, which turns about a point aside, in gravity, with its rest
-/// shape turned by `axes` and put `away`.
+/// A damped wing with a tapered vein, and one with torsion round a corner, on a clamped root, which turns about a point
+/// aside, in gravity, with its rest shape turned by `axes` and put `away`.
 fn clamped(axes: Rotation3<f64>, away: Vector) -> Wing {
     let mut mesh = rectangle(0.2, 0.1, 4);
     let root = mesh.chain("root").expect("a root").to_vec();
     let along: Vec<_> = (0..mesh.nodes.len()).filter(|&k| mesh.nodes[k][1] == mesh.nodes[root[1]][1]).collect();
+    let rim: Vec<_> = [mesh.chain("right"), mesh.chain("tip")].map(|chain| chain.expect("a side").to_vec()).concat();
+    let corner = rim.len() - mesh.chain("tip").map_or(0, <[usize]>::len);
+    let rim = [&rim[..corner], &rim[corner + 1..]].concat();
     mesh.nodes.iter_mut().for_each(|x| *x = (axes * Vector::from(*x) + away).into());
     let diameter = (0..along.len()).map(|i| 1.0 - 0.1 * i as f64).collect();
     let origin = (axes * Vector::new(0.03, -0.02, 0.01) + away).into();
     Parameters {
-        veins: vec![Vein { diameter, ..Vein::new("vein", &along, 0.02, 1e-3, 1e3) }],
+        veins: vec![
+            Vein { diameter, ..Vein::new("vein", &along, 0.02, 1e-3, 1e3) },
+            Vein { torsional_stiffness: 2e-4, ..Vein::new("rim", &rim, 0.01, 3e-4, 1e3) },
+        ],
         root: Root { nodes: root, origin, ..Root::default() },
         gravity: (axes * Vector::new(0.0, 1.0, -9.0)).into(),
         relaxation_time: 1e-3,
@@ -58,7 +64,7 @@ fn a_wing_that_is_placed_in_motion_accelerates_as_a_rigid_body_and_loses_nothing
 fn momenta_and_rates(wing: &mut Wing) -> [[Vector; 2]; 2] {
     let momenta = wing.momentum().map(Vector::from);
     let (weight, state) = (Vector::from(wing.parameters().gravity), wing.state());
-    let origin = Vector::from(wing.parameters().root.origin) + Vector::from(state.own.displacement);
+    let origin = Vector::from(wing.parameters().root.origin) + Vector::from(state.own.base.displacement);
     let mut rates = [state.drive.force, Vector::from(state.drive.moment) + origin.cross(&state.drive.force)];
     for (x, mass) in state.positions.iter().zip(wing.masses()) {
         rates[0] += weight * *mass;

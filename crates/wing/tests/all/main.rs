@@ -7,4 +7,5 @@ mod meshes;
 mod plates;
 mod root;
 mod section;
+mod twists;
 mod veins;

@@ -22,7 +22,8 @@ fn held(mesh: Mesh) -> Wing {
 fn bent(wing: &mut Wing, shape: impl Fn([f64; 3]) -> [f64; 3]) {
     let (sin, cos) = FRAC_PI_3.sin_cos();
     let mut state = wing.state().clone();
-    state.own = RigidMotion { rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]], ..RigidMotion::rest() };
+    state.own.base =
+        RigidMotion { rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]], ..RigidMotion::rest() };
     for (place, rest) in state.positions.iter_mut().zip(&wing.parameters().mesh.nodes) {
         let [x, y, z] = shape(*rest);
         *place = [cos * x + sin * z, y, cos * z - sin * x].into();
