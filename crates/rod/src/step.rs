@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use structure::{Core, Mounted, Reaction, RootResponse, Scheme, Span, StepRule, Structure, Vector, cross};
 
 use crate::base_motion::BaseState;
-use crate::contact::Contacts;
 use crate::error::LARGEST_GAIN;
 use crate::hinge::{Hinge, advanced};
 use crate::memory::RodMemory;
@@ -187,7 +186,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
             && before.last_step > 0.0
             && core.force[elastic.first..] == before.loads[elastic.first..]
             && before.own.pressure.is_empty()
-            && newton.contact.as_ref().is_none_or(Contacts::is_still)
+            && newton.contact.as_ref().is_none_or(|contact| contact.obstacles.are_still())
             && core.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
             core.state.own.largest_energy = 0.0;
@@ -233,7 +232,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
     /// Return the reaction of the root; node 0 belongs to the rod, so it accelerates its mass and balances its loads.
     fn complete(&mut self, base: &Option<BaseState<D>>) -> Result<Option<Reaction<D>>, Error> {
         let Self { core, elastic, newton, parameters, .. } = self;
-        newton.contact.iter_mut().for_each(Contacts::stay);
+        newton.contact.iter_mut().for_each(|contact| contact.obstacles.stay());
         let state = &core.state;
         let v = state.velocities[0];
         if base.is_none() {
