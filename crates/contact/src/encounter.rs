@@ -89,11 +89,6 @@ impl<const D: usize> Obstacles<D> {
         Self { all, stage: motion.clone(), motion }
     }
 
-    /// Return them at their first places.
-    pub fn all(&self) -> &[Obstacle<D>] {
-        &self.all
-    }
-
     /// Return the poses of an obstacle at begin and end of the step, to be set before it; none of a number without one.
     pub fn motion_mut(&mut self, i: usize) -> Option<&mut [Pose<D>; 2]> {
         self.motion.get_mut(i)
@@ -102,6 +97,13 @@ impl<const D: usize> Obstacles<D> {
     /// Return whether none moves in the step.
     pub fn are_still(&self) -> bool {
         self.motion.iter().all(|[begin, end]| begin == end)
+    }
+
+    /// Return whether an obstacle stays farther than `reach` (m) from balls of these middles and radii (m) around all points
+    /// at begin and end of the stage.
+    pub fn is_beyond(&self, i: usize, balls: [(SVector<f64, D>, f64); 2], reach: f64) -> bool {
+        let mut both = self.stage[i].iter().zip(balls);
+        both.all(|(pose, (middle, radius))| self.all[i].nearest_at(pose, middle).distance - radius >= reach)
     }
 
     /// Begin a stage between these fractions of the step.

@@ -20,9 +20,10 @@ mod law;
 mod obstacle;
 mod surface;
 
-pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion};
+pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion, nearest_image};
 pub use cells::{Cells, MOST_PARTNERS};
 pub use encounter::{Encounter, Obstacles, Push};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};
+pub use rigid::Kinematics;
 pub use surface::{SurfacePoint, nearest_of_triangle, points_of_surface};

@@ -45,9 +45,9 @@ pub fn points_of_surface(nodes: &[[f64; 3]], triangles: &[[usize; 3]], parts: us
         for i in 0..parts {
             for j in 0..parts - i {
                 let at = |i: usize, j: usize| [parts - i - j, i, j];
-                [at(i, j), at(i + 1, j), at(i, j + 1)].map(&mut add);
+                [at(i, j), at(i + 1, j), at(i, j + 1)].into_iter().for_each(&mut add);
                 if i + j + 1 < parts {
-                    [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)].map(&mut add);
+                    [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)].into_iter().for_each(&mut add);
                 }
             }
         }

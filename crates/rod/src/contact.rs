@@ -300,7 +300,9 @@ impl<const D: usize> Contacts<D> {
     /// Return the energy of the penalty in the shape `x`, J.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> f64 {
         let mut sum = 0.0;
-        self.visit(x, x, self.own.law.reach(), |met| sum += met.length * self.own.law.penalty(met.met.gaps[1]).potential);
+        self.visit(x, x, self.own.law.reach(), |met| {
+            sum += met.length * self.own.law.penalty(met.met.gaps[1]).potential
+        });
         sum
     }
 
@@ -349,11 +351,16 @@ impl<const D: usize> Contacts<D> {
     pub(crate) fn check_depth(&mut self, x: &[Vector<D>]) -> Result<(), Error> {
         self.begin_static(x)?;
         let (mut result, allowed) = (Ok(()), self.own.law.depth);
-        self.visit(x, x, 0.0, |Meeting { spot: Spot { segment: node, .. }, met: Encounter { gaps: [gap, _], .. }, .. }| {
-            if -gap >= allowed {
-                result = Err(RodError::Deep { node, depth: -gap, allowed }.into());
-            }
-        });
+        self.visit(
+            x,
+            x,
+            0.0,
+            |Meeting { spot: Spot { segment: node, .. }, met: Encounter { gaps: [gap, _], .. }, .. }| {
+                if -gap >= allowed {
+                    result = Err(RodError::Deep { node, depth: -gap, allowed }.into());
+                }
+            },
+        );
         result
     }
 }

@@ -15,9 +15,6 @@ use crate::{Error, Loads, Rod, RodError};
 /// Strain, and turning angle per node, whose energy is rounding noise.
 const NO_STRAIN: f64 = 1e-10;
 
-/// Ratio of steps, but for rounding, above which the second is longer.
-const LONGER: f64 = 1.0 + 1e-9;
-
 impl<const D: usize> Structure<D> for Rod<D> {
     type Own = RodMemory<D>;
     type Failure = RodError;
@@ -95,15 +92,12 @@ impl<const D: usize> Structure<D> for Rod<D> {
         Ok(())
     }
 
-    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a
-    /// step longer than the one before is a backward Euler step: there BDF2 gains energy too.
+    /// Where the rod may touch anything, BDF2 replaces TR-BDF2.
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, newton, .. } = self;
-        let (is_dissipative, state) = (matches!(core.scheme, Scheme::TrBdf2 | Scheme::Bdf2), &core.state);
-        let Some(contact) = newton.contact.as_mut().filter(|_| is_dissipative) else { return Ok(None) };
-        let last_step = if dt > LONGER * state.last_step { 0.0 } else { state.last_step };
-        let touches = contact.may_touch(&state.positions, &state.velocities, dt)?;
-        Ok(touches.then(|| StepRule::bdf2(dt, last_step)))
+        let Some((rule, contact)) = core.rule_in_contact(dt).zip(newton.contact.as_mut()) else { return Ok(None) };
+        let touches = contact.may_touch(&core.state.positions, &core.state.velocities, dt)?;
+        Ok(touches.then_some(rule))
     }
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Option<BaseState<D>>>) -> Result<(), Error> {
