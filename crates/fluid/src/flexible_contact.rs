@@ -10,7 +10,7 @@ use contact::{Before, Cells, Law, Obstacle, SurfacePoint, nearest_image, nearest
 use crate::bodies::{Bodies, Carried, Push, place};
 use crate::force::Exchange;
 use crate::parameters::{Extent, Flexible, Motion, Parameters, Skin};
-use crate::space::{Space, Vector};
+use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};
 
 /// Rate at which each force falls with the velocity of its side, over that of the pair.

@@ -2,14 +2,14 @@
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
-use ::rigid::{Mass, Pose, SpringMotion};
+use ::rigid::{Drag, Mass, Pose, SpringMotion};
 use geometry::Region;
 use method::Mask;
 
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
 use super::pose::pose_at;
-use crate::force::{Displaced, Drag, Force};
+use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::kernel::layer_thickness;
 use crate::parameters::{Body, Motion, Mount};

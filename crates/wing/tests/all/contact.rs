@@ -20,7 +20,7 @@ fn parameters(contact: Contact, height: f64) -> Parameters {
     let mut mesh = rectangle(0.2, 0.1, 4);
     mesh.nodes.iter_mut().for_each(|node| node[2] = height);
     let contact = Some(contact);
-    Parameters { contact, ..Parameters::new(mesh, Membrane::plate(1e6, 0.3, 1e-3, 1e3 * AREAL)) }
+    Parameters { contact, ..Parameters::new(mesh, Membrane::plate(1e8, 0.3, 1e-3, 1e3 * AREAL)) }
 }
 
 fn floor() -> Obstacle<3> {
@@ -35,7 +35,7 @@ fn energy(wing: &mut Wing) -> f64 {
 #[test]
 fn a_flat_wing_rests_on_the_floor_at_the_exact_gap() {
     let mut touch = contact(vec![floor()]);
-    touch.law.damping = 0.2 * (touch.law.stiffness * AREAL).sqrt();
+    touch.law.damping = 2.0 * (touch.law.stiffness * AREAL).sqrt();
     let exact = RANGE - (2.0 * AREAL * 9.81 * RANGE / touch.law.stiffness).sqrt();
     let mut wing = Parameters { gravity: [0.0, 0.0, -9.81], ..parameters(touch, 0.02) }.build().expect("a wing");
     (0..1500).for_each(|_| wing.step(STEP).expect("a step"));
@@ -49,7 +49,7 @@ fn a_flat_wing_rests_on_the_floor_at_the_exact_gap() {
 #[test]
 fn a_flat_wing_bounces_with_its_speed() {
     let mut wing = parameters(contact(vec![floor()]), 0.05).build().expect("a wing");
-    wing.set_velocities(&[[0.0, 0.0, -1.0]; 15]).expect("15 nodes");
+    wing.set_velocities(&vec![[0.0, 0.0, -1.0]; wing.nodes()]).expect("velocities");
     let mut least = f64::INFINITY;
     for _ in 0..120 {
         wing.step(STEP).expect("a step");
@@ -60,24 +60,24 @@ fn a_flat_wing_bounces_with_its_speed() {
     assert!(speed > 0.95 && speed < 1.0 + 1e-9 && least > -0.5 * RANGE, "{speed} m/s, at least {least} m high");
 }
 
-/// A cantilever whose tip a ball lifts: the ball carries what the root does not.
+/// A cantilever whose middle a ball lifts: the ball carries what the root does not.
 #[test]
 fn a_ball_that_a_law_moves_lifts_a_held_wing() {
-    let ball = |z: f64| Pose::at([0.2, 0.05, z]);
-    let mut touch = contact(vec![Obstacle::block([0.2, 0.05, -0.06], [0.0; 3], 0.05)]);
+    let ball = |z: f64| Pose::at([0.1, 0.05, z]);
+    let mut touch = contact(vec![Obstacle::block([0.1, 0.05, -0.08], [0.0; 3], 0.05)]);
     touch.law.damping = 50.0;
     let mut held = parameters(touch, 0.0);
     let nodes = held.mesh.chain("root").expect("a root").to_vec();
     held.root = Root { nodes, ..Root::default() };
     held.relaxation_time = 0.01;
     let mut wing = held.build().expect("a wing");
-    let place = |k: usize| -0.08 + 2e-4 * (k as f64).min(400.0);
+    let place = |k: usize| -0.08 + 2e-4 * (k as f64).min(250.0);
     for k in 0..800 {
         wing.move_obstacle(0, [ball(place(k)), ball(place(k + 1))]);
         wing.step(STEP).expect("a step");
         let least = (0..wing.nodes())
             .map(|n| {
-                let d = [wing.positions(0)[n] - 0.2, wing.positions(1)[n] - 0.05, wing.positions(2)[n] - place(k + 1)];
+                let d = [wing.positions(0)[n] - 0.1, wing.positions(1)[n] - 0.05, wing.positions(2)[n] - place(k + 1)];
                 d.iter().map(|d| d * d).sum::<f64>().sqrt()
             })
             .fold(f64::INFINITY, f64::min);
