@@ -69,7 +69,8 @@ fn a_ball_that_a_law_moves_lifts_a_held_wing() {
     let mut held = parameters(touch, 0.0);
     let nodes = held.mesh.chain("root").expect("a root").to_vec();
     held.root = Root { nodes, ..Root::default() };
-    held.relaxation_time = 0.01;
+    held.membranes = vec![Membrane::plate(1e9, 0.3, 1e-3, 1e3 * AREAL)];
+    held.relaxation_time = 0.03;
     let mut wing = held.build().expect("a wing");
     let place = |k: usize| -0.08 + 2e-4 * (k as f64).min(250.0);
     for k in 0..800 {
