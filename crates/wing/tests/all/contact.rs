@@ -39,6 +39,8 @@ fn a_flat_wing_rests_on_the_floor_at_the_exact_gap() {
     let exact = RANGE - (2.0 * AREAL * 9.81 * RANGE / touch.law.stiffness).sqrt();
     let mut wing = Parameters { gravity: [0.0, 0.0, -9.81], ..parameters(touch, 0.02) }.build().expect("a wing");
     (0..1500).for_each(|_| wing.step(STEP).expect("a step"));
+    let counted = allocation_counter::measure(|| wing.step(STEP).expect("a step"));
+    assert_eq!(counted.count_total, 0, "allocations in a step");
     let off = wing.positions(2).iter().map(|z| (z - exact).abs()).fold(0.0, f64::max);
     assert!(off < 1e-3 * exact, "{off} m from {exact} m");
     let carried: f64 = wing.contact_forces().iter().map(|force| force.z).sum();
