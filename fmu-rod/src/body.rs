@@ -1,7 +1,7 @@
 //! A rod in the plane or in space.
 
 use adapter::{Dimensions, of_both};
-use rod::{Error, Obstacle, Rod};
+use rod::{Error, Rod};
 use scene::{Beam, Scene};
 
 use crate::{contact, from_scene};
@@ -16,13 +16,10 @@ pub type BodyState = Dimensions<rod::RodState<2>, rod::RodState<3>>;
 /// Return the parameters of the rod of a scene.
 pub fn plan(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Plan {
     if scene.dimension(beam) == 2 {
-        let place = |body: &scene::Body| Obstacle::of_outline(&body.shape.outline()?, contact::pose(body, 0.0));
-        let contact = contact::of_rod(scene, beam, rod, place);
+        let contact = contact::in_plane(scene, beam, rod);
         return Plan::Plane(rod::Parameters { contact, ..from_scene::parameters(scene, beam, rod) });
     }
-    let endless = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
-    let place = |body: &scene::Body| Obstacle::of_solid(&body.shape.solid(&endless)?, contact::pose(body, 0.0));
-    let contact = contact::of_rod(scene, beam, rod, place);
+    let contact = contact::in_space(scene, beam, rod);
     Plan::Space(rod::Parameters { contact, ..from_scene::parameters(scene, beam, rod) })
 }
 

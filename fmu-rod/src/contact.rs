@@ -1,32 +1,30 @@
 //! Conversion of the contact of a scene to that of a rod.
 
-use rod::{Contact, Obstacle, Pose};
-use scene::{Beam, BeamWithRod, Body, Scene};
+use adapter::{obstacles, obstacles_in_space};
+use rod::{Contact, Obstacle};
+use scene::{Beam, BeamWithRod, Scene};
 
-/// Return what the rod touches: the solids of the scene, each as `place` makes it, then the walls.
-pub fn of_rod<const D: usize>(
+/// Return what a rod in the plane touches.
+pub fn in_plane(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Option<Contact<2>> {
+    let make = |body: &scene::Body| Obstacle::of_outline(&body.shape.outline()?, body.place_at(0.0));
+    of_rod(scene, beam, rod, || obstacles(scene, make))
+}
+
+/// Return what a rod in space touches.
+pub fn in_space(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Option<Contact<3>> {
+    of_rod(scene, beam, rod, || obstacles_in_space(scene))
+}
+
+fn of_rod<const D: usize>(
     scene: &Scene,
     beam: &Beam,
     rod: &scene::Rod,
-    place: impl Fn(&Body) -> Option<Obstacle<D>>,
+    obstacles: impl Fn() -> Vec<Obstacle<D>>,
 ) -> Option<Contact<D>> {
     let contact = scene.contact.as_ref()?;
     let own = BeamWithRod { number: None, name: None, beam, rod: Some(rod) };
     let radius: Vec<_> = beam.places().step_by(2).map(|s| 0.5 * beam.thickness.at(s)).collect();
-    let law = contact.law(scene, &own);
-    let walls = scene.contact_walls().into_iter().map(|(point, normal)| {
-        let [point, normal] = [point, normal].map(|vector| std::array::from_fn(|d| vector[d]));
-        Obstacle::plane(point, normal)
-    });
-    let obstacles = scene.contact_bodies().iter().filter_map(place).chain(walls).collect();
-    Some(Contact { law, radius, with_itself: true, obstacles })
-}
-
-/// Return the place of a solid at time `t`, s.
-pub fn pose<const D: usize>(body: &Body, t: f64) -> Pose<D> {
-    let (axes, origin) = body.pose_at(t);
-    let vector = |own: [f64; 3]| std::array::from_fn::<f64, D, _>(|d| own[d]).into();
-    Pose { axes: std::array::from_fn(|d| vector(axes[d])), origin: vector(origin) }
+    Some(Contact { law: contact.law(scene, &own), radius, with_itself: true, obstacles: obstacles() })
 }
 
 #[cfg(test)]

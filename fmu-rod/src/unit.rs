@@ -6,7 +6,7 @@ use scene::{Beam, FlyerHinge, RootMotion, Scene};
 
 use crate::body::{Body, Plan};
 use crate::parameters::Parameters;
-use crate::{body, contact, from_scene};
+use crate::{body, from_scene};
 
 const BUILT: &str = "an instance has a body";
 
@@ -197,7 +197,7 @@ impl RodUnit {
     fn move_obstacles(&mut self, times: [f64; 2]) {
         let body = self.body.as_mut().expect(BUILT);
         for (i, own) in self.obstacles.iter().enumerate().filter(|(_, own)| own.laws().is_some()) {
-            either!(&mut *body, rod => rod.move_obstacle(i, times.map(|t| contact::pose(own, t))));
+            either!(&mut *body, rod => rod.move_obstacle(i, times.map(|t| own.place_at(t))));
         }
     }
 

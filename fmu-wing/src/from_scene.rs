@@ -1,10 +1,11 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{Fluid, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
-use wing::{Membrane, Parameters, RigidMotion, Root, Support, Vein};
+use scene::{Fluid, RootLaws, SURFACE_THICKNESS_CELLS, Scene, WingSupport};
+use wing::{Contact, Membrane, Parameters, RigidMotion, Root, Support, Vein};
 
-/// Return the parameters of the wing of a scene, in its fluid if it has one.
-pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Parameters {
+/// Return the parameters of a wing of a scene, in its fluid if it has one.
+pub fn parameters(scene: &Scene, own: &scene::Wing) -> Parameters {
+    let fluid = scene.fluid.as_ref();
     let mesh = own.mesh.build();
     let chain = |name: &str| mesh.chain(name).unwrap_or_default().to_vec();
     let root = Root {
@@ -42,6 +43,10 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Parameters {
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,
         displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * largest_cell(fluid)),
+        contact: scene.contact.as_ref().map(|contact| Contact {
+            law: contact.law_of_wing(scene, own),
+            obstacles: adapter::obstacles_in_space(scene),
+        }),
         scheme: own.scheme,
         max_step: own.max_step,
         mesh,

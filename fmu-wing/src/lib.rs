@@ -28,6 +28,8 @@ pub struct WingUnit {
     parameters: Parameters,
     /// Parameters of the wing that is built of them.
     rest: wing::Parameters,
+    /// Solids that the wing touches.
+    solids: Vec<scene::Body>,
     /// Loads of the next step.
     loads: Loads,
     /// None in a description.
@@ -79,7 +81,7 @@ impl WingUnit {
             omega: [0.0; 3],
         });
         let announced = hinge.map(|_| Announced::new(scene.time.communication_step));
-        let rest = from_scene::parameters(&own, scene.fluid.as_ref());
+        let rest = from_scene::parameters(&scene, &own);
         let nodes = rest.mesh.nodes.len();
         require_memory(BYTES_PER_NODE * nodes)?;
         rest.check().map_err(|e| e.to_string())?;
@@ -99,6 +101,7 @@ impl WingUnit {
             damping_power: 0.0,
             crossings: 0,
             wing: None,
+            solids: scene.contact_bodies(),
             name,
             base,
             announced,
@@ -148,9 +151,18 @@ impl WingUnit {
 
     /// Place the wing at rest on its base, in the state of the base at time `t`, if the base moves.
     fn place(&mut self, t: f64) -> Result<(), Error> {
+        self.move_solids([t; 2]);
         match self.base_at(t) {
             Some(base) => self.wing_mut().place(base),
             None => Ok(()),
+        }
+    }
+
+    /// Move the solids that laws move, between two times, s.
+    fn move_solids(&mut self, times: [f64; 2]) {
+        let wing = self.wing.as_mut().expect(BUILT);
+        for (i, own) in self.solids.iter().enumerate().filter(|(_, own)| own.laws().is_some()) {
+            wing.move_obstacle(i, times.map(|t| own.place_at(t)));
         }
     }
 
@@ -241,6 +253,7 @@ impl Model for WingUnit {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         self.begin_step(h)?;
         let base = self.base_at(t + h);
+        self.move_solids([t, t + h]);
         let wing = self.wing.as_mut().expect(BUILT);
         wing.base_motion = base;
         wing.loads.copy_from(&self.loads);

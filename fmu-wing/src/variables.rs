@@ -169,6 +169,9 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
             "Largest distance of the membrane from that chord, by its length, positive along the triangles' normal";
         list.push(output("section.camber", "1", text, |m| m.wing().camber().unwrap_or_default()));
     }
+    if unit.scene.contact.is_some() {
+        list.push(Real::output("energy.contact", "J", "Energy of contact", |m| from_ref(&m.energy.contact)));
+    }
     list.push(output("damping.power", "W", "Power lost by damping at the end of the step", |m| m.damping_power));
     list.extend([
         output("energy.elastic", "J", "Energy of membrane and veins", |m| {

@@ -244,6 +244,32 @@ def test_two_materials_in_a_row_strain_by_their_stiffnesses(where):
     assert strains == pytest.approx([1e-4, 1e-4 / 3], rel=1e-3)
 
 
+def test_a_falling_wing_stays_above_a_ground_with_contact(tmp_path):
+    """A wing without a root falls by 0.1 m in 0.143 s. Beside its own contact there is one column more."""
+    scene: Any = {
+        "format": 2,
+        "name": "dropped",
+        "time": {"end": 0.3, "communication_step": 1e-3},
+        "wing": {
+            "mesh": {"rectangular": {"length": 0.2, "width": 0.1, "along": 4}},
+            "membrane": {
+                "areal_density": 1.0,
+                "stretching_stiffness": 1e5,
+                "bending_stiffness": 0.01,
+                "poisson_ratio": 0.3,
+            },
+            "gravity": [0, 0, -9.81],
+        },
+    }
+    ground = {"shape": {"cuboid": {"lengths": [2, 2, 1]}}, "position": [0, 0, -0.6]}
+    with pytest.raises(SceneError, match=r"contact.range.*a wing without a fluid needs it"):
+        validate(scene | {"contact": {"obstacles": [ground]}})
+    scene["contact"] = {"range": 0.03, "damping": 20, "obstacles": [ground]}
+    run = nervure.run(validate(scene), tmp_path / "run", quiet=True)
+    assert run.summary.completed and run.series["energy_contact"].max() > 0.0
+    assert -0.1 < run.series["tip_uz"].min() < -0.07
+
+
 def test_a_falling_wing_has_the_mass_of_its_regions(tmp_path):
     """The second region takes triangles from the first; the kinetic energy of a free fall gives the mass."""
     square = [[0.5, -1], [2, -1], [2, 1], [0.5, 1]]

@@ -1,14 +1,16 @@
 //! What the units of rod, wing, body and fluid share: the scene in their resources, the texts of their descriptions, the
-//! choice between plane and space, and what they announce to a body that carries them.
+//! choice between plane and space, what they touch, and what they announce to a body that carries them.
 
 mod announced;
 mod dimensions;
+mod obstacles;
 
 use fmi_export::{Description, Resources, Variable};
 use scene::Scene;
 
 pub use crate::announced::{Announced, Carried, UNKNOWN, response};
 pub use crate::dimensions::Dimensions;
+pub use crate::obstacles::{obstacles, obstacles_in_space};
 
 #[doc(hidden)]
 pub use {fmi_export, scene};

@@ -103,6 +103,8 @@ struct Parties<const D: usize> {
     /// Poses at the end of the step with the present change of the velocities.
     ends: Vec<Pose<D>>,
     pairs: Vec<Pair<D>>,
+    /// Lengths after which everything repeats along the axes, m; infinite: never.
+    periods: [f64; D],
 }
 
 /// Equations of Newton's method.
@@ -141,6 +143,8 @@ struct Meeting<const D: usize> {
     normals: [SVector<f64, D>; 2],
     /// The point, m.
     points: [SVector<f64, D>; 2],
+    /// Way from the other part to its image that the point meets, m.
+    shift: SVector<f64, D>,
 }
 
 /// Part of the potential: a function of the velocity of two parts along `rows`.
@@ -186,7 +190,19 @@ where
             right: vec![0.0; free],
             direction: room(),
         };
-        Ok(Self { range: law.range, change: room(), tried: room(), equations, parties: Parties { ends, parts, pairs } })
+        Ok(Self {
+            range: law.range,
+            change: room(),
+            tried: room(),
+            equations,
+            parties: Parties { ends, parts, pairs, periods: [f64::INFINITY; D] },
+        })
+    }
+
+    /// Let everything repeat along the axes after these lengths, m, of which some may be infinite.
+    pub fn with_periods(mut self, periods: [f64; D]) -> Self {
+        self.parties.periods = periods;
+        self
     }
 
     /// Return the parts.
@@ -197,6 +213,21 @@ where
     /// Return the motion of a part, to be set before each step.
     pub fn motion_mut(&mut self, part: usize) -> &mut PartMotion<D> {
         &mut self.parties.parts[part].motion
+    }
+
+    /// Return the parts that touch at the begin of the step: their numbers, the least gap, m, and the energy of the penalty,
+    /// J, which is infinite where they are too deep in each other.
+    pub fn touching(&self) -> Vec<([usize; 2], f64, f64)> {
+        let mut found = Vec::<([usize; 2], f64, f64)>::new();
+        self.parties.visit(|pair, Meeting { gaps: [gap, _], .. }| {
+            let (parts, energy) = ([pair.of.min(pair.on), pair.of.max(pair.on)], pair.law.penalty(gap).potential);
+            match found.iter_mut().find(|(known, ..)| *known == parts) {
+                _ if energy == 0.0 => (),
+                Some((_, least, sum)) => (*least, *sum) = (least.min(gap), *sum + energy),
+                None => found.push((parts, gap, energy)),
+            }
+        });
+        found
     }
 
     /// Return the changes of the velocities by the contact in a step of `dt` seconds with the first coefficient `c_0` of
@@ -322,7 +353,10 @@ where
     fn visit(&self, mut emit: impl FnMut(&Pair<D>, Meeting<D>)) {
         for pair in &self.pairs {
             let [of, on] = [pair.of, pair.on].map(|part| &self.parts[part]);
-            let (from, to) = ([of, on].map(|part| &part.motion.poses[0]), [pair.of, pair.on].map(|k| &self.ends[k]));
+            let mut poses = [[of, on].map(|part| part.motion.poses[0]), [pair.of, pair.on].map(|k| self.ends[k])];
+            let shift = nearest_image(poses[0][0].origin - poses[0][1].origin, &self.periods);
+            poses.iter_mut().for_each(|[_, image]| image.origin += shift);
+            let [from, to] = poses.each_ref().map(|both| both.each_ref());
             let reach = pair.law.reach() + of.solid.reach() + on.solid.reach();
             let apart = |poses: [&Pose<D>; 2]| (poses[0].origin - poses[1].origin).norm() > reach;
             if reach < f64::INFINITY && apart(from) && apart(to) {
@@ -332,14 +366,17 @@ where
                 let nearest = |pose: &Pose<D>, point| on.solid.nearest_at(pose, point);
                 let [held, now] = [nearest(from[1], points[0]), nearest(to[1], points[1])];
                 let gap = |found: &Nearest<D>| found.distance - pair.radius;
-                emit(pair, Meeting { gaps: [gap(&held), gap(&now)], normals: [held.normal, now.normal], points });
+                emit(
+                    pair,
+                    Meeting { gaps: [gap(&held), gap(&now)], normals: [held.normal, now.normal], points, shift },
+                );
             });
         }
     }
 
     /// Pass the parts of the potential of contact at these changes of the velocities to `emit`.
     fn terms(&self, change: &[Freedoms], c_0: f64, dt: f64, mut emit: impl FnMut(Term)) {
-        self.visit(|pair, Meeting { gaps: [before, gap], normals: [held, normal], points }| {
+        self.visit(|pair, Meeting { gaps: [before, gap], normals: [held, normal], points, shift }| {
             let (law, parts) = (&pair.law, [pair.of, pair.on]);
             if before.min(gap) >= law.reach() {
                 return;
@@ -353,10 +390,15 @@ where
                     std::array::from_fn(|i| if free[i] { sign * sum(i) } else { 0.0 })
                 })
             };
+            // Arms of a point about both pivots.
+            let arms_at = |point: SVector<f64, D>, poses: [&Pose<D>; 2]| {
+                let [of, on] = [0, 1].map(|side| point - poses[side].place(self.parts[parts[side]].pivot));
+                [of, on - shift]
+            };
             let own = law.response(gap, Some(Before { gap: before, dt }));
             emit(Term {
                 parts,
-                rows: rows(&normal, parts.map(|k| points[1] - self.ends[k].place(self.parts[k].pivot))),
+                rows: rows(&normal, arms_at(points[1], parts.map(|k| &self.ends[k]))),
                 potential: c_0 * own.potential,
                 force: own.force,
                 stiffness: own.stiffness / c_0,
@@ -366,7 +408,7 @@ where
                 return;
             }
             let at = points[0] - held * pair.radius;
-            let arms = parts.map(|k| at - self.parts[k].motion.poses[0].place(self.parts[k].pivot));
+            let arms = arms_at(at, parts.map(|k| &self.parts[k].motion.poses[0]));
             let [of, on] = [0, 1].map(|side| {
                 let k = parts[side];
                 let (v, omega) = split::<D>(&std::array::from_fn(|i| self.parts[k].motion.rates[i] + change[k][i]));
@@ -517,6 +559,12 @@ impl<const D: usize> Points<D> {
             }
         }
     }
+}
+
+/// Return the way by whole periods, m, which is closest to `way` along each axis.
+pub fn nearest_image<const D: usize>(way: SVector<f64, D>, periods: &[f64; D]) -> SVector<f64, D> {
+    let along = |d: usize| if periods[d].is_finite() { (way[d] / periods[d]).round() * periods[d] } else { 0.0 };
+    SVector::from_fn(|d, _| along(d))
 }
 
 /// Return the point of the line `one` that is closest to the line `two`, both by their ends.

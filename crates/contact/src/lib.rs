@@ -7,17 +7,23 @@
 //! U(g) penalty,      (1/Δt) [∫ Γ dg − Γ(g_0) g] damper and film,      μ N_0 |s| friction with the slip s.
 //! ```
 //!
-//! [`Obstacle`] has closest points, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies.
+//! [`Obstacle`] has closest points, [`Encounter`] the forces on a point of what deforms, [`SurfacePoint`] the points of
+//! triangles, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies.
 //! All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
 mod bodies;
 mod cells;
+mod encounter;
 mod law;
 mod obstacle;
+mod surface;
 
-pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion};
+pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion, nearest_image};
 pub use cells::{Cells, MOST_PARTNERS};
+pub use encounter::{Encounter, Obstacles, Push};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};
+pub use rigid::Kinematics;
+pub use surface::{SurfacePoint, nearest_of_triangle, points_of_surface};

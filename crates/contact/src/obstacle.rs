@@ -135,7 +135,8 @@ impl<const D: usize> Obstacle<D> {
         (lengths == 1).then(|| [-SVector::from(half), SVector::from(half)])
     }
 
-    pub(crate) fn is_half_space(&self) -> bool {
+    /// Return whether it is all that lies behind a plane.
+    pub fn is_half_space(&self) -> bool {
         self.solid == Body::HalfSpace
     }
 
@@ -155,7 +156,7 @@ impl<const D: usize> Obstacle<D> {
     }
 
     /// Return half the thickness, m.
-    pub(crate) fn half_thickness(&self) -> f64 {
+    pub fn half_thickness(&self) -> f64 {
         match self.solid {
             Body::HalfSpace => f64::INFINITY,
             Body::Block { half, radius } => half.into_iter().fold(f64::INFINITY, f64::min) + radius,

@@ -279,3 +279,14 @@ fn hundreds_of_random_bodies_stay_apart_and_gain_no_energy() {
         }
     }
 }
+
+/// A ball hands its speed to one of the same mass beyond the edge of a periodic box.
+#[test]
+fn balls_touch_across_the_edge_of_a_periodic_box() {
+    let law = BodyLaw { range: 0.02, ..LAW };
+    let world = World::<2>::new(vec![ball(0.05, [0.0, 0.9], 1.0), ball(0.05, [0.0, -0.9], 0.0)], vec![], &law);
+    let mut world = World { contacts: world.contacts.with_periods([f64::INFINITY, 2.0]), ..world };
+    (0..300).for_each(|_| world.step().expect("they stay apart"));
+    let [first, second] = [0, 1].map(|k| world.bodies[k].1.now.velocity[1]);
+    assert!(first.abs() < 0.05 && (second - 1.0).abs() < 0.05, "{first} and {second} m/s");
+}

@@ -7,6 +7,7 @@ use line_fft::Team;
 use crate::bodies::{Carried, Placement, Pose};
 use crate::error::Error;
 use crate::field::is_available;
+use crate::flexible_contact::FlexibleContact;
 use crate::force::Exchange;
 use crate::grid::Grid;
 use crate::limits::{Contour, StepLimits};
@@ -16,7 +17,6 @@ use crate::present::{Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
 use crate::problem::Problem;
-use crate::rod_contact::RodContact;
 use crate::solver::{FluidSolver, Solvable};
 use crate::state::State;
 use crate::stations::{Loads, Stations};
@@ -53,8 +53,8 @@ where
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
-    /// Contact of flexible lines with each other; absent without.
-    rod_contact: Option<RodContact<D>>,
+    /// Contact of flexible bodies with each other and with bodies on a mount; absent without.
+    flexible_contact: Option<FlexibleContact<D>>,
     limits: StepLimits,
     /// Whether several steps in a communication step are taken under announced loads.
     divides_loads: bool,
@@ -151,7 +151,7 @@ where
                 displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
-            rod_contact: RodContact::new(parameters),
+            flexible_contact: FlexibleContact::new(parameters),
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             divides_loads: parameters.divides_loads,
@@ -237,9 +237,14 @@ where
     /// Find the part of contact in the present loads; flexible bodies begin without loads.
     fn find_announced_contact(&mut self) {
         let dt = self.coming_step();
-        if let Some(contact) = &mut self.rod_contact {
-            if self.present.step > 0.0 { contact.find(&self.present.flexible.stations, dt) } else { contact.clear() }
+        let Some(contact) = &mut self.flexible_contact else { return };
+        let Present { flexible, carried, step, .. } = &self.present;
+        if *step > 0.0 {
+            contact.find(&flexible.stations, &self.problem.bodies, carried, dt);
+        } else {
+            contact.clear();
         }
+        self.problem.bodies.push(contact.pushes());
     }
 
     /// Return whether loads of the next step are announced. These hold for one step of the fluid.
@@ -263,10 +268,11 @@ where
     fn predict_loads(&mut self) {
         let dt = self.coming_step();
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
-        let flexible = &mut self.present.flexible;
-        if let Some(contact) = self.rod_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
-            contact.find(&flexible.stations, dt);
+        let Present { flexible, carried, .. } = &mut self.present;
+        if let Some(contact) = self.flexible_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
+            contact.find(&flexible.stations, &self.problem.bodies, carried, dt);
             contact.add(&mut flexible.loads);
+            self.problem.bodies.push(contact.pushes());
         }
     }
 
@@ -294,8 +300,9 @@ where
         }
         self.present.flexible.copy_from(&known.flexible);
         self.present.carried.copy_from_slice(&known.carried);
-        if let Some(contact) = &mut self.rod_contact {
-            contact.copy_from(other.rod_contact.as_ref());
+        if let Some(contact) = &mut self.flexible_contact {
+            contact.copy_from(other.flexible_contact.as_ref());
+            self.problem.bodies.push(contact.pushes());
         }
         Stations::copy_all(&mut self.motion.target, &known.flexible.stations);
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
@@ -351,7 +358,7 @@ where
             return Err(error);
         }
         self.pressures.invalidate();
-        if let Some(contact) = &self.rod_contact {
+        if let Some(contact) = &self.flexible_contact {
             contact.exchange(h, [&self.motion.from, &self.motion.target], &mut self.present.flexible.exchange);
         }
         if self.announces() {

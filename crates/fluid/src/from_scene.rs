@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use contact::{BodyFilm, BodyLaw, largest_stiffness};
+use contact::largest_stiffness;
 use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
@@ -187,19 +187,7 @@ where
     [f64; D]: Space<D>,
 {
     let own = scene.contact.as_ref()?;
-    let film = |film: scene::Film| BodyFilm {
-        viscosity: fluid.density * fluid.kinematic_viscosity,
-        range: scene::Contact::two_cells(fluid),
-        least: film.roughness,
-    };
-    let law = BodyLaw {
-        range: own.range_of_bodies(fluid),
-        stiffness: own.stiffness.unwrap_or(f64::INFINITY),
-        damping: own.damping,
-        friction: own.friction,
-        film: own.film.map(film),
-        dt: fluid.time_stepping.max_step.min(scene.time.communication_step),
-    };
+    let law = own.law_of_bodies(scene, fluid);
     let walls = fluid.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let skin = |beam: scene::BeamWithRod| {
         let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
@@ -208,12 +196,18 @@ where
         let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
         Some(Skin { radius, largest_stiffness })
     };
+    let of_wing = |own: scene::WingOfScene| {
+        let mass = own.wing.lightest() + fluid.density * law.range;
+        let radius = vec![Skin::of_surface(law.range); own.wing.mesh.build().nodes.len()];
+        let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
+        own.wing.lightest().is_finite().then_some(Skin { radius, largest_stiffness })
+    };
     Some(Contact {
         law,
         obstacles: make(&own.obstacles),
         walls: std::array::from_fn(|axis| walls[axis]),
-        rod_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
-        skins: scene.beams_with_rods().map(skin).collect(),
+        flexible_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
+        skins: scene.beams_with_rods().map(skin).chain(scene.wings().map(of_wing)).collect(),
     })
 }
 

@@ -168,8 +168,8 @@ where
     pub announces: bool,
 }
 
-/// Contact of bodies on a mount with each other, with all other bodies, and with walls; and of flexible lines with each
-/// other.
+/// Contact of bodies on a mount with each other, with all other bodies, and with walls; and of flexible bodies with each
+/// other and with bodies on a mount.
 #[derive(Clone, Debug)]
 pub struct Contact<const D: usize = 2>
 where
@@ -181,19 +181,27 @@ where
     pub obstacles: Vec<Body<D>>,
     /// Lower and upper wall along each axis, m; absent: none.
     pub walls: [Option<[f64; 2]>; D],
-    /// Stiffness of flexible lines per metre where they meet, N/m²; it acts at most as that of their skins.
-    pub rod_stiffness: f64,
+    /// Stiffness of flexible bodies where they meet, of lines per metre, N/m², of surfaces per area, N/m³; it acts at most
+    /// as that of their skins.
+    pub flexible_stiffness: f64,
     /// Skin of each flexible body; absent: it touches no other one.
     pub skins: Vec<Option<Skin>>,
 }
 
-/// Skin by which a flexible line touches others.
+/// Skin by which a flexible body touches others.
 #[derive(Clone, Debug)]
 pub struct Skin {
     /// Half the thickness at the nodes, m.
     pub radius: Vec<f64>,
-    /// Stiffness per metre with which a contact with a wall lasts ten communication steps, N/m².
+    /// Stiffness per metre, N/m², or per area, N/m³, with which a contact with a wall lasts ten communication steps.
     pub largest_stiffness: f64,
+}
+
+impl Skin {
+    /// Return the half thickness that a surface has for others, m: a quarter of the range of its contact.
+    pub fn of_surface(range: f64) -> f64 {
+        0.25 * range
+    }
 }
 
 /// How a body moves.
@@ -312,6 +320,12 @@ where
             divides_loads: D == 2,
             pressure_around: false,
         }
+    }
+
+    /// Return the lengths after which everything repeats, m; infinite between walls.
+    pub(crate) fn periods(&self) -> [f64; D] {
+        let size = self.grid().size;
+        std::array::from_fn(|axis| if self.walls[axis].is_none() { size[axis] } else { f64::INFINITY })
     }
 
     /// Refuse numbers with which no step can be made.

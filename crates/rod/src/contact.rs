@@ -21,7 +21,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ::contact::{Before, Cells, HELD, Law, MOST_PARTNERS, Obstacle, Pose};
+use ::contact::{Cells, Encounter, HELD, Law, MOST_PARTNERS, Obstacle, Obstacles, Push};
 use structure::{Matrix, Vector, finite, not_negative, positive};
 
 use crate::{Error, RodError};
@@ -68,11 +68,8 @@ struct Spot {
 struct Term<const D: usize> {
     spot: Spot,
     partner: Option<Spot>,
-    potential: f64,
-    /// Force on `spot`, and against it on `partner`, N.
-    force: Vector<D>,
-    /// Second derivative, N/m; of a pair positive semi-definite.
-    hessian: Matrix<D>,
+    /// Of a pair its second derivative is positive semi-definite.
+    push: Push<D>,
 }
 
 /// Closest point of another strand.
@@ -97,10 +94,7 @@ pub(crate) struct Contacts<const D: usize> {
     parts: usize,
     /// First point of contact that touches each obstacle.
     begins: Vec<usize>,
-    /// Poses of each obstacle at begin and end of the step.
-    pub(crate) motion: Vec<[Pose<D>; 2]>,
-    /// The same of the stage.
-    stage: Vec<[Pose<D>; 2]>,
+    pub(crate) obstacles: Obstacles<D>,
     /// Length of the stage, s; `None` in an equilibrium.
     dt: Option<f64>,
     /// Largest motion of a node in the stage that the search allows for, m.
@@ -124,13 +118,11 @@ impl<const D: usize> Contacts<D> {
             let length = if touches && is_held { HELD * (own.radius[0] + range) } else { 0.0 };
             (length / segment_length * parts as f64).ceil() as usize
         };
-        let motion: Vec<_> = own.obstacles.iter().map(|obstacle| [obstacle.pose; 2]).collect();
         let points = segments * parts + 1;
         let searched = if own.with_itself { points } else { 0 };
         Self {
             begins: own.obstacles.iter().map(behind).collect(),
-            stage: motion.clone(),
-            motion,
+            obstacles: Obstacles::new(own.obstacles.clone()),
             dt: None,
             allowed: f64::INFINITY,
             cells: Cells::new(if own.with_itself { segments } else { 0 }),
@@ -144,11 +136,6 @@ impl<const D: usize> Contacts<D> {
         }
     }
 
-    /// Return whether no obstacle moves in the step.
-    pub(crate) fn is_still(&self) -> bool {
-        self.motion.iter().all(|[begin, end]| begin == end)
-    }
-
     /// Begin a stage of `dt` (s) between these fractions of the step, from `origin` (m) to the first guess `guess`.
     pub(crate) fn begin(
         &mut self,
@@ -158,17 +145,10 @@ impl<const D: usize> Contacts<D> {
         between: [f64; 2],
     ) -> Result<(), Error> {
         self.dt = Some(dt);
-        for (stage, [begin, end]) in self.stage.iter_mut().zip(&self.motion) {
-            *stage = between.map(|share| if share == 1.0 { *end } else { begin.towards(end, share) });
-        }
+        self.obstacles.begin(between);
         let predicted = origin.iter().zip(guess).map(|(x, guess)| (guess - x).norm()).fold(0.0, f64::max);
         self.allowed = predicted + 0.5 * self.own.law.range;
         self.search(origin, 2.0 * self.allowed)
-    }
-
-    /// Let the obstacles stay where they are at the end of the step.
-    pub(crate) fn stay(&mut self) {
-        self.motion.iter_mut().for_each(|[begin, end]| *begin = *end);
     }
 
     /// Return whether the rod of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
@@ -176,15 +156,15 @@ impl<const D: usize> Contacts<D> {
         let closer = 2.0 * dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         self.begin_static(x)?;
         self.search(x, closer)?;
-        let (reach, mut may) = (self.own.law.reach() + closer, !self.is_still());
-        self.visit(x, x, reach, |met| may |= met.gaps[1] < reach);
+        let (reach, mut may) = (self.own.law.reach() + closer, !self.obstacles.are_still());
+        self.visit(x, x, reach, |met| may |= met.met.gaps[1] < reach);
         Ok(may)
     }
 
     /// Begin an equilibrium from the shape `origin`, m.
     pub(crate) fn begin_static(&mut self, origin: &[Vector<D>]) -> Result<(), Error> {
         self.dt = None;
-        self.stage.iter_mut().zip(&self.motion).for_each(|(stage, [_, end])| *stage = [*end; 2]);
+        self.obstacles.begin_static();
         self.allowed = f64::INFINITY;
         self.search(origin, (STATIC_SEARCH - 1.0) * self.touching)
     }
@@ -273,24 +253,10 @@ impl<const D: usize> Contacts<D> {
         for m in 0..(x.len() - 1) * self.parts + 1 {
             let (spot, length, radius) = self.point(m);
             let (p, p_before) = (at(x, spot), at(origin, spot));
-            let moved = (p - p_before).norm();
-            for ((obstacle, [from, to]), begin) in self.own.obstacles.iter().zip(&self.stage).zip(&self.begins) {
-                let now = obstacle.nearest_at(to, p);
-                let gap = now.distance - radius;
-                if m < *begin || (from == to && gap - moved >= reach) {
-                    continue;
+            for (i, _) in self.begins.iter().enumerate().filter(|(_, begin)| m >= **begin) {
+                if let Some(met) = self.obstacles.meet(i, [p_before, p], radius, reach) {
+                    visit(Meeting { spot, length, partners: None, met });
                 }
-                let before = obstacle.nearest_at(from, p_before);
-                visit(Meeting {
-                    spot,
-                    length,
-                    partners: None,
-                    distances: [before.distance, now.distance],
-                    gaps: [before.distance - radius, gap],
-                    normals: [before.normal, now.normal],
-                    curvature: now.curvature,
-                    slip: p - to.place(from.own(p_before)),
-                });
             }
             let begin = if m == 0 { 0 } else { self.ends.get(m - 1).copied().unwrap_or(0) };
             for &j in &self.partners[begin..self.ends.get(m).copied().unwrap_or(begin)] {
@@ -299,11 +265,13 @@ impl<const D: usize> Contacts<D> {
                     spot,
                     length: 0.5 * length,
                     partners: Some([before.spot, now.spot]),
-                    distances: [before.distance, now.distance],
-                    gaps: [before, now].map(|own| own.distance - radius - self.radius_at(own.spot)),
-                    normals: [before, now].map(|own| own.from / own.distance.max(f64::MIN_POSITIVE)),
-                    curvature: Matrix::zeros(),
-                    slip: p - at(x, before.spot) - before.from,
+                    met: Encounter {
+                        distances: [before.distance, now.distance],
+                        gaps: [before, now].map(|own| own.distance - radius - self.radius_at(own.spot)),
+                        normals: [before, now].map(|own| own.from / own.distance.max(f64::MIN_POSITIVE)),
+                        curvature: Matrix::zeros(),
+                        slip: p - at(x, before.spot) - before.from,
+                    },
                 });
             }
         }
@@ -313,32 +281,11 @@ impl<const D: usize> Contacts<D> {
     fn terms(&self, x: &[Vector<D>], origin: &[Vector<D>], mut emit: impl FnMut(Term<D>)) {
         let law = &self.own.law;
         self.visit(x, origin, law.reach(), |met| {
-            let Meeting { spot, length, partners, gaps: [before, gap], normals: [held, normal], slip, .. } = met;
-            if before.min(gap) >= law.reach() {
-                return;
-            }
-            let own = law.response(gap, self.dt.map(|dt| Before { gap: before, dt }));
-            emit(Term {
-                spot,
-                partner: partners.map(|[_, now]| now),
-                potential: length * own.potential,
-                force: normal * (length * own.force),
-                hessian: (normal * normal.transpose() * own.stiffness - met.curvature * own.force) * length,
-            });
-            let pressed = length * law.penalty(before).force;
-            if law.friction * pressed > 0.0 && self.dt.is_some() {
-                let slip = slip - held * held.dot(&slip);
-                let size = slip.norm();
-                let [potential, per_slip, second] = law.friction(pressed).response(size);
-                let along = slip / size.max(f64::MIN_POSITIVE);
-                let across = Matrix::identity() - held * held.transpose() - along * along.transpose();
-                emit(Term {
-                    spot,
-                    partner: partners.map(|[before, _]| before),
-                    potential,
-                    force: slip * -per_slip,
-                    hessian: across * per_slip + along * along.transpose() * second,
-                });
+            let Meeting { spot, length, partners, met } = met;
+            let [before, now] = partners.map_or([None; 2], |both| both.map(Some));
+            let parts = [(met.push(law, length, self.dt), now), (met.friction(law, length, self.dt), before)];
+            for (push, partner) in parts.into_iter().filter_map(|(push, partner)| Some((push?, partner))) {
+                emit(Term { spot, partner, push });
             }
         });
     }
@@ -346,21 +293,23 @@ impl<const D: usize> Contacts<D> {
     /// Return the potential of the shape `x` in a stage from `origin`, m, in J.
     pub(crate) fn potential(&self, x: &[Vector<D>], origin: &[Vector<D>]) -> f64 {
         let mut sum = 0.0;
-        self.terms(x, origin, |term| sum += term.potential);
+        self.terms(x, origin, |term| sum += term.push.potential);
         sum
     }
 
     /// Return the energy of the penalty in the shape `x`, J.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> f64 {
         let mut sum = 0.0;
-        self.visit(x, x, self.own.law.reach(), |met| sum += met.length * self.own.law.penalty(met.gaps[1]).potential);
+        self.visit(x, x, self.own.law.reach(), |met| {
+            sum += met.length * self.own.law.penalty(met.met.gaps[1]).potential
+        });
         sum
     }
 
     /// Write the forces on the nodes in the shape `x` of a stage from `origin`, N: `[n + 1]`.
     pub(crate) fn find_forces(&self, x: &[Vector<D>], origin: &[Vector<D>], forces: &mut [Vector<D>]) {
         forces.fill(Vector::zeros());
-        self.terms(x, origin, |Term { spot, partner, force, .. }| {
+        self.terms(x, origin, |Term { spot, partner, push: Push { force, .. } }| {
             let parts = [(Some(spot), force), (partner, -force)];
             for (Spot { segment, share }, force) in parts.into_iter().filter_map(|(spot, force)| Some((spot?, force))) {
                 forces[segment] += force * (1.0 - share);
@@ -372,7 +321,7 @@ impl<const D: usize> Contacts<D> {
     /// Pass second derivatives of the potential, or more, to `emit`: by the node k twice, by k and k + 1, and by k + 1
     /// twice, N/m.
     pub(crate) fn hessian(&self, x: &[Vector<D>], origin: &[Vector<D>], mut emit: impl FnMut(usize, [Matrix<D>; 3])) {
-        self.terms(x, origin, |Term { spot, partner, hessian, .. }| {
+        self.terms(x, origin, |Term { spot, partner, push: Push { hessian, .. } }| {
             let both = if partner.is_some() { 2.0 } else { 1.0 };
             for Spot { segment, share } in [Some(spot), partner].into_iter().flatten() {
                 let (first, second) = (1.0 - share, share);
@@ -390,17 +339,11 @@ impl<const D: usize> Contacts<D> {
                 return Err(RodError::Hasty { moved, allowed: self.allowed });
             }
         }
-        self.visit(
-            x,
-            origin,
-            f64::INFINITY,
-            |Meeting { spot: Spot { segment: node, .. }, normals, distances, slip, .. }| {
-                let is_other_side = normals[0].dot(&normals[1]) < 0.0 && slip.norm() > distances[0] + distances[1];
-                if is_other_side && self.dt.is_some() {
-                    result = Err(RodError::Through { node });
-                }
-            },
-        );
+        self.visit(x, origin, f64::INFINITY, |Meeting { spot: Spot { segment: node, .. }, met, .. }| {
+            if met.passes_through() && self.dt.is_some() {
+                result = Err(RodError::Through { node });
+            }
+        });
         result
     }
 
@@ -408,25 +351,27 @@ impl<const D: usize> Contacts<D> {
     pub(crate) fn check_depth(&mut self, x: &[Vector<D>]) -> Result<(), Error> {
         self.begin_static(x)?;
         let (mut result, allowed) = (Ok(()), self.own.law.depth);
-        self.visit(x, x, 0.0, |Meeting { spot: Spot { segment: node, .. }, gaps: [gap, _], .. }| {
-            if -gap >= allowed {
-                result = Err(RodError::Deep { node, depth: -gap, allowed }.into());
-            }
-        });
+        self.visit(
+            x,
+            x,
+            0.0,
+            |Meeting { spot: Spot { segment: node, .. }, met: Encounter { gaps: [gap, _], .. }, .. }| {
+                if -gap >= allowed {
+                    result = Err(RodError::Deep { node, depth: -gap, allowed }.into());
+                }
+            },
+        );
         result
     }
 }
 
-/// A point of contact and what it may touch, at the begin and the end of a stage.
+/// A point of contact and what it may touch.
 struct Meeting<const D: usize> {
     spot: Spot,
     length: f64,
+    /// Closest points of a strand of the rod at the begin and the end of a stage; `None` of an obstacle.
     partners: Option<[Spot; 2]>,
-    distances: [f64; 2],
-    gaps: [f64; 2],
-    normals: [Vector<D>; 2],
-    curvature: Matrix<D>,
-    slip: Vector<D>,
+    met: Encounter<D>,
 }
 
 /// Return the place of a spot in the shape `x`, m.

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use structure::{Core, Mounted, Reaction, RootResponse, Scheme, Span, StepRule, Structure, Vector, cross};
 
 use crate::base_motion::BaseState;
-use crate::contact::Contacts;
 use crate::error::LARGEST_GAIN;
 use crate::hinge::{Hinge, advanced};
 use crate::memory::RodMemory;
@@ -15,9 +14,6 @@ use crate::{Error, Loads, Rod, RodError};
 
 /// Strain, and turning angle per node, whose energy is rounding noise.
 const NO_STRAIN: f64 = 1e-10;
-
-/// Ratio of steps, but for rounding, above which the second is longer.
-const LONGER: f64 = 1.0 + 1e-9;
 
 impl<const D: usize> Structure<D> for Rod<D> {
     type Own = RodMemory<D>;
@@ -96,15 +92,12 @@ impl<const D: usize> Structure<D> for Rod<D> {
         Ok(())
     }
 
-    /// Where the rod may touch anything BDF2 replaces TR-BDF2, whose trapezoid gains energy in short contacts, and a
-    /// step longer than the one before is a backward Euler step: there BDF2 gains energy too.
+    /// Where the rod may touch anything, BDF2 replaces TR-BDF2.
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, newton, .. } = self;
-        let (is_dissipative, state) = (matches!(core.scheme, Scheme::TrBdf2 | Scheme::Bdf2), &core.state);
-        let Some(contact) = newton.contact.as_mut().filter(|_| is_dissipative) else { return Ok(None) };
-        let last_step = if dt > LONGER * state.last_step { 0.0 } else { state.last_step };
-        let touches = contact.may_touch(&state.positions, &state.velocities, dt)?;
-        Ok(touches.then(|| StepRule::bdf2(dt, last_step)))
+        let Some((rule, contact)) = core.rule_in_contact(dt).zip(newton.contact.as_mut()) else { return Ok(None) };
+        let touches = contact.may_touch(&core.state.positions, &core.state.velocities, dt)?;
+        Ok(touches.then_some(rule))
     }
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<Option<BaseState<D>>>) -> Result<(), Error> {
@@ -187,7 +180,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
             && before.last_step > 0.0
             && core.force[elastic.first..] == before.loads[elastic.first..]
             && before.own.pressure.is_empty()
-            && newton.contact.as_ref().is_none_or(Contacts::is_still)
+            && newton.contact.as_ref().is_none_or(|contact| contact.obstacles.are_still())
             && core.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
             core.state.own.largest_energy = 0.0;
@@ -233,7 +226,7 @@ impl<const D: usize> Structure<D> for Rod<D> {
     /// Return the reaction of the root; node 0 belongs to the rod, so it accelerates its mass and balances its loads.
     fn complete(&mut self, base: &Option<BaseState<D>>) -> Result<Option<Reaction<D>>, Error> {
         let Self { core, elastic, newton, parameters, .. } = self;
-        newton.contact.iter_mut().for_each(Contacts::stay);
+        newton.contact.iter_mut().for_each(|contact| contact.obstacles.stay());
         let state = &core.state;
         let v = state.velocities[0];
         if base.is_none() {

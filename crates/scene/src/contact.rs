@@ -1,12 +1,12 @@
-//! Contact of rods and bodies with what is in their way.
+//! Contact of rods, wings and bodies with what is in their way.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::Body;
 
-/// Contact of rods with themselves, and of rods and bodies on a mount with walls, cylinders and bodies of the fluid that
-/// are still or moved by laws; in a fluid also of rods with each other, and of bodies on a mount with each other.
+/// Contact of rods with themselves, and of rods, membranes of wings and bodies on a mount with walls, cylinders and bodies
+/// of the fluid that are still or moved by laws; in a fluid also of all of them with each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
@@ -15,13 +15,13 @@ pub struct Contact {
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub range: Option<f64>,
-    /// Stiffness where surfaces meet, in two dimensions per metre of depth: of a rod per metre, N/m², of a body N/m, which
-    /// acts at most as that by default; absent: a contact lasts ten steps.
+    /// Stiffness where surfaces meet, in two dimensions per metre of depth: of a rod per metre, N/m², of a wing per area,
+    /// N/m³, of a body N/m, which acts at most as that by default; absent: a contact lasts ten steps.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub stiffness: Option<f64>,
     /// Damping of the gap where surfaces meet, in two dimensions per metre of depth: of a rod per metre, kg/(m s), of a
-    /// body kg/s.
+    /// wing per area, kg/(m² s), of a body kg/s.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub damping: f64,

@@ -1,14 +1,15 @@
-//! What the rods and bodies of a scene touch, and what is wrong with its contact.
+//! What the rods, wings and bodies of a scene touch, and what is wrong with its contact.
 
-use ::contact::Law;
+use ::contact::{BodyFilm, BodyLaw, Law, Pose};
 use method::Bending;
 
 use crate::body::Body;
-use crate::contact::Contact;
+use crate::contact::{Contact, Film};
 use crate::fault::{Check, Faults};
 use crate::fluid::Fluid;
 use crate::scene::{BeamWithRod, Scene};
 use crate::shape::Shape;
+use crate::wing::Wing;
 
 /// Steps in the shortest contact, for the default stiffness.
 const STEPS: f64 = 10.0;
@@ -31,6 +32,23 @@ impl Contact {
         self.range.unwrap_or(self.film.map_or(Self::two_cells(fluid), |film| film.roughness))
     }
 
+    /// Return the law of the bodies in a fluid of this scene.
+    pub fn law_of_bodies(&self, scene: &Scene, fluid: &Fluid) -> BodyLaw {
+        let film = |film: Film| BodyFilm {
+            viscosity: fluid.density * fluid.kinematic_viscosity,
+            range: Self::two_cells(fluid),
+            least: film.roughness,
+        };
+        BodyLaw {
+            range: self.range_of_bodies(fluid),
+            stiffness: self.stiffness.unwrap_or(f64::INFINITY),
+            damping: self.damping,
+            friction: self.friction,
+            film: self.film.map(film),
+            dt: fluid.time_stepping.max_step.min(scene.time.communication_step),
+        }
+    }
+
     /// Return the length of two cells, m: a grid does not see a film of that.
     pub fn two_cells(fluid: &Fluid) -> f64 {
         RANGE_CELLS * fluid.spacing().into_iter().fold(0.0, f64::max)
@@ -41,6 +59,21 @@ impl Contact {
         let (Some(rod), Some(lightest)) = (own.rod, own.line_density()) else { return 0.0 };
         let step = rod.max_step.unwrap_or(f64::INFINITY).min(scene.time.communication_step);
         self.stiffness.unwrap_or(lightest * (std::f64::consts::PI / (STEPS * step)).powi(2))
+    }
+
+    /// Return the law per area of a wing of this scene.
+    pub fn law_of_wing(&self, scene: &Scene, wing: &Wing) -> Law {
+        let range = self.range.unwrap_or(scene.fluid.as_ref().map_or(f64::NAN, Self::two_cells));
+        let step = wing.max_step.unwrap_or(f64::INFINITY).min(scene.time.communication_step);
+        let mass = wing.lightest() + scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density * range);
+        Law {
+            range,
+            stiffness: self.stiffness.unwrap_or(mass * (std::f64::consts::PI / (STEPS * step)).powi(2)),
+            depth: 0.5 * range,
+            damping: self.damping,
+            friction: self.friction,
+            film: None,
+        }
     }
 
     /// Return the law per metre of a rod of this scene.
@@ -65,8 +98,25 @@ impl BeamWithRod<'_> {
     }
 }
 
+impl Body {
+    /// Return its place at time `t` (s) as that of an obstacle.
+    pub fn place_at<const D: usize>(&self, t: f64) -> Pose<D> {
+        let (axes, origin) = self.pose_at(t);
+        let vector = |own: [f64; 3]| std::array::from_fn::<f64, D, _>(|d| own[d]).into();
+        Pose { axes: std::array::from_fn(|d| vector(axes[d])), origin: vector(origin) }
+    }
+}
+
+impl Wing {
+    /// Return the least mass per area of the membrane, kg/m²; infinite without one.
+    pub fn lightest(&self) -> f64 {
+        let all = self.membrane.iter().chain(self.regions.iter().map(|region| &region.membrane));
+        all.map(|membrane| membrane.areal_density).fold(f64::INFINITY, f64::min)
+    }
+}
+
 impl Scene {
-    /// Return the solids that rods touch: those of `contact`, and those of the fluid that are still or moved by laws.
+    /// Return the solids that rods and wings touch: those of `contact`, and those of the fluid that are still or moved by laws.
     pub fn contact_bodies(&self) -> Vec<Body> {
         self.contact_bodies_with_keys().map(|(_, body)| body).collect()
     }
@@ -80,7 +130,7 @@ impl Scene {
         own.chain(of_fluid.map(|own| (own.key, own.body)))
     }
 
-    /// Return the walls that rods touch.
+    /// Return the walls that rods and wings touch.
     pub fn contact_walls(&self) -> Vec<HalfSpace> {
         let channel = self.fluid.as_ref().filter(|_| self.contact.is_some()).and_then(|fluid| fluid.channel.as_ref());
         let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
@@ -98,10 +148,15 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let rods: Vec<_> = scene.beams_with_rods().filter_map(|own| own.rod.map(|_| scene.dimension(own.beam))).collect();
     let of_fluid: Vec<_> = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).collect();
     let mounted = || of_fluid.iter().filter(|own| own.body.mount.is_some());
-    let is_space = rods.first() == Some(&3) || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
-    faults.forbid(rods.is_empty() && mounted().next().is_none(), "contact", || {
-        "the scene has neither a rod nor a body on a `mount`, and only these touch".into()
+    let is_space = rods.first() == Some(&3)
+        || scene.wings().next().is_some()
+        || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
+    let has_wing = scene.wings().any(|own| own.wing.lightest().is_finite());
+    faults.forbid(rods.is_empty() && !has_wing && mounted().next().is_none(), "contact", || {
+        "the scene has neither a rod, a wing with a membrane nor a body on a `mount`, and only these touch".into()
     });
+    let is_absent = has_wing && scene.fluid.is_none() && contact.range.is_none();
+    faults.require(!is_absent, "contact.range", "absent", || "a wing without a fluid needs it".into());
     faults.forbid(contact.film.is_some() && mounted().next().is_none(), "contact.film", || {
         "the scene has no body on a `mount`, and rods have no film".into()
     });
@@ -114,7 +169,14 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         let count = if is_space { 3 } else { 2 };
         let place = format!("{:?}", body.position);
         faults.require(body.position.len() == count, &format!("{key}.position"), place, || {
-            format!("it must have {count} components like {}", if rods.is_empty() { "the box" } else { "the beam" })
+            let like = if !rods.is_empty() {
+                "the beam"
+            } else if has_wing {
+                "the wing"
+            } else {
+                "the box"
+            };
+            format!("it must have {count} components like {like}")
         });
         let free = body.mount.is_some() || body.is_driven();
         faults.forbid(free, &format!("{key}.{}", if body.mount.is_some() { "mount" } else { "motion" }), || {

@@ -1,9 +1,10 @@
-//! Rods that start in contact, whose energy throws them.
+//! Rods and bodies that start in contact, whose energy throws them.
 
 use geometry::vector::{between, dot, minus};
 
-use ::contact::HELD;
+use ::contact::{BodyContacts, HELD, Kinematics, Obstacle, Part, PartMotion};
 
+use crate::body::Body;
 use crate::places::three_digits;
 use crate::root::{RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
@@ -70,4 +71,61 @@ pub(crate) fn of_rod(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
         );
         Warning { key: "contact.range".into(), time: None, text }
     })
+}
+
+/// Return the warnings about bodies on a mount that contact throws at the start, or cannot part.
+pub(crate) fn of_bodies(scene: &Scene) -> Vec<Warning> {
+    if scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) {
+        let endless = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+        thrown::<3>(scene, |body| Obstacle::of_solid(&body.shape.solid(&endless)?, body.place_at(0.0)))
+    } else {
+        thrown::<2>(scene, |body| Obstacle::of_outline(&body.shape.outline()?, body.place_at(0.0)))
+    }
+}
+
+fn thrown<const D: usize>(scene: &Scene, obstacle: impl Fn(&Body) -> Option<Obstacle<D>>) -> Vec<Warning>
+where
+    [f64; D]: Kinematics<D>,
+{
+    let Some((contact, fluid)) = scene.contact.as_ref().zip(scene.fluid.as_ref()) else { return vec![] };
+    let law = contact.law_of_bodies(scene, fluid);
+    let on_mount = fluid.obstacles().filter(|own| own.body.mount.is_some()).map(|own| (own.key, own.body));
+    let bodies: Vec<_> = on_mount.chain(scene.contact_bodies_with_keys()).collect();
+    let moving = bodies.iter().filter_map(|(key, body)| {
+        let solid = obstacle(body)?;
+        let motion = PartMotion { free: [body.mount.is_some(); 6], ..PartMotion::still(solid.pose) };
+        let inertia = body.mount.as_ref().map(|mount| [mount.mass, f64::INFINITY]);
+        Some((format!("`{key}`"), body.mount.as_ref(), Part { solid, inertia, pivot: [0.0; D].into(), motion }))
+    });
+    let walls = scene.contact_walls().into_iter().map(|(point, normal)| {
+        let [point, normal] = [point, normal].map(|vector| std::array::from_fn(|d| vector[d]));
+        let solid = Obstacle::plane(point, normal);
+        let motion = PartMotion::still(solid.pose);
+        ("a wall of the channel".to_string(), None, Part { solid, inertia: None, pivot: [0.0; D].into(), motion })
+    });
+    let all: Vec<_> = moving.chain(walls).collect();
+    let Ok(contacts) = BodyContacts::new(all.iter().map(|(.., part)| part.clone()).collect(), &law) else {
+        return vec![];
+    };
+    let of_pair = |(parts, gap, energy): ([usize; 2], f64, f64)| {
+        let [(name, mount, _), (other, its, _)] = parts.map(|k| &all[k]);
+        let mounts = [mount, its].into_iter().flatten();
+        let mass = mounts.clone().map(|mount| mount.mass).fold(f64::INFINITY, f64::min);
+        let heaviest = mounts.map(|own| own.mass * own.gravity.iter().fold(0.0_f64, |g, part| g.hypot(*part)));
+        let (weight, speed) = (heaviest.fold(0.0, f64::max), (2.0 * energy / mass).sqrt());
+        let [depth, gap, range, energy_text, speed_text] = [-gap, gap, law.range, energy, speed].map(three_digits);
+        let text = if energy == f64::INFINITY {
+            format!("the body {name} starts in contact with {other}, {depth} m deep: the first step is refused")
+        } else if energy > weight * law.range && speed * scene.time.end > law.range {
+            let unit = if D == 2 { "J/m" } else { "J" };
+            format!(
+                "the body {name} starts in contact with {other}: its gap is {gap} m and `contact.range` {range} m, and \
+                 {energy_text} {unit} throw it with up to {speed_text} m/s"
+            )
+        } else {
+            return None;
+        };
+        Some(Warning { key: "contact.range".into(), time: None, text })
+    };
+    contacts.touching().into_iter().filter_map(of_pair).collect()
 }

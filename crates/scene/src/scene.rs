@@ -69,7 +69,7 @@ pub struct Scene {
     /// A free rigid body that carries wings and rods in space.
     #[serde(default)]
     pub flyer: Option<Flyer>,
-    /// Contact of rods and bodies on a mount; absent, they pass through everything.
+    /// Contact of rods, wings and bodies on a mount; absent, they pass through everything.
     #[serde(default)]
     pub contact: Option<Contact>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.

@@ -70,6 +70,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
     found.extend(scene.beams_with_rods().filter_map(|own| contact_warnings::of_rod(scene, &own)));
+    found.extend(contact_warnings::of_bodies(scene));
     found.extend(scene.wing.iter().flat_map(wing_checks::warnings));
     found
 }

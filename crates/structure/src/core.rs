@@ -2,6 +2,9 @@
 
 use crate::{Balance, Error, Loads, Scheme, State, Statistics, StepRule, Vector};
 
+/// Ratio of steps, but for rounding, above which the second is longer.
+const LONGER: f64 = 1.0 + 1e-9;
+
 /// What every structure has: state, forces and the unknowns of a stage; an array has one entry per node.
 pub struct Core<const D: usize, M> {
     /// Time scheme.
@@ -128,6 +131,14 @@ impl<const D: usize, M: Clone> Core<D, M> {
             false => self.impedance.copy_from_slice(&loads.impedance),
         }
         Ok(())
+    }
+
+    /// Return the rule that replaces TR-BDF2 and BDF2 in a sub-step of `dt` (s) in which the structure may touch anything:
+    /// that of BDF2, as the trapezoid gains energy in short contacts, and after a shorter sub-step that of the backward
+    /// Euler method, as BDF2 gains energy there.
+    pub fn rule_in_contact(&self, dt: f64) -> Option<StepRule> {
+        let last_step = if dt > LONGER * self.state.last_step { 0.0 } else { self.state.last_step };
+        matches!(self.scheme, Scheme::TrBdf2 | Scheme::Bdf2).then(|| StepRule::bdf2(dt, last_step))
     }
 
     /// Return the force of the impedance of node `k` against the velocity `v`, N.

@@ -25,6 +25,25 @@ pub enum WingError {
         /// Kinetic energy before and after, changes of the other energies, and work of the loads, J.
         exchanged: f64,
     },
+    /// Something lies too deep behind the surface of the wing.
+    #[error(
+        "what the wing touches lies {depth:.3e} m beyond it near node {node}, but the depth must be less than \
+         {allowed:.3e} m; a smaller step helps, or another place at the start"
+    )]
+    Deep {
+        /// Node beside the place.
+        node: usize,
+        /// Depth, m.
+        depth: f64,
+        /// Depth that no force reaches, m.
+        allowed: f64,
+    },
+    /// A sub-step may have missed a contact.
+    #[error("the wing passes through what it touches near node {node} in the smallest sub-step; a smaller step helps")]
+    Through {
+        /// Node beside the place.
+        node: usize,
+    },
     /// The matrix of the wing is singular: a part of it is not held, or it buckles.
     #[error("the stiffness of the wing is singular: a part of it is not held, or it buckles under its loads")]
     Singular,

@@ -1,7 +1,7 @@
 //! Elastic wing: a network of veins and a triangulated membrane, in space.
 //!
 //! ```text
-//! M x'' = f − ∂U/∂x − τ d(∂U/∂x)/dt,      U = U_membrane + U_plate + U_veins
+//! M x'' = f − ∂U/∂x − τ d(∂U/∂x)/dt,      U = U_membrane + U_plate + U_veins + U_contact
 //! ```
 //!
 //! x are the positions of the nodes and M is the consistent mass matrix of linear elements. The membrane strains by
@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 mod base;
+mod contact;
 mod elastic;
 mod error;
 mod face;
@@ -33,10 +34,12 @@ mod twist;
 mod vein;
 mod wing;
 
+pub use ::contact::{Law, Obstacle, Pose};
 pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
 pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
 pub use crate::base::{Memory, RigidMotion, WingState};
+pub use crate::contact::Contact;
 pub use crate::error::{Error, WingError};
 pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
 pub use crate::twist::Twist;

@@ -6,6 +6,7 @@
 
 use structure::{Balance, Imbalance, RELATIVE_UPDATE, Residual, Statistics};
 
+use crate::contact::Contacts;
 use crate::elastic::Elastic;
 use crate::frames::Frames;
 use crate::geometry::Vector;
@@ -49,10 +50,18 @@ pub(crate) struct Newton {
     /// Ends of the edges whose length limits an update.
     edges: Vec<[usize; 2]>,
     frames: Frames,
+    /// Contact; `None` without.
+    pub(crate) contact: Option<Contacts>,
 }
 
 impl Newton {
-    pub(crate) fn new(system: System, elastic: &Elastic, rest: &[Vector], size: f64) -> Self {
+    pub(crate) fn new(
+        system: System,
+        elastic: &Elastic,
+        rest: &[Vector],
+        size: f64,
+        contact: Option<Contacts>,
+    ) -> Self {
         let zeros = || vec![Vector::zeros(); rest.len()];
         let of_faces = elastic.faces.iter().flat_map(|face| (0..3).map(|i| [face.nodes[i], face.nodes[(i + 1) % 3]]));
         let mut edges: Vec<_> = of_faces.chain(elastic.segments.iter().map(|segment| segment.nodes)).collect();
@@ -73,6 +82,7 @@ impl Newton {
             size,
             edges,
             frames: Frames::new(rest, &elastic.faces),
+            contact,
         }
     }
 
@@ -91,6 +101,7 @@ impl Newton {
     ) -> Result<(), Error> {
         self.look_ahead(elastic, balance);
         self.system.assemble(elastic, x, v, balance, false)?;
+        self.add_contact(elastic, balance, x, x, false);
         match self.system.matrix.factorise() || self.system.factorise_shifted() {
             true => Ok(()),
             false => Err(UNSOLVED.error(&Statistics::default())),
@@ -107,7 +118,15 @@ impl Newton {
         statistics: &mut Statistics,
     ) -> Result<(), Error> {
         elastic.set_angles(origin)?;
-        let mut imbalance = self.find_residual(elastic, balance, origin, x)?;
+        let mut imbalance = match self.find_residual(elastic, balance, origin, x) {
+            // The guess knows nothing of what is in the way.
+            Err(WingError::Deep { .. }) => {
+                let free = x.iter_mut().zip(origin).zip(&self.system.unknowns).filter(|(_, first)| first.is_some());
+                free.for_each(|((x, origin), _)| *x = *origin);
+                self.find_residual(elastic, balance, origin, x)?
+            }
+            found => found?,
+        };
         let mut stale = !self.factorised;
         if stale {
             elastic.set_stresses(origin);
@@ -121,7 +140,7 @@ impl Newton {
         for _ in 0..ITERATIONS {
             statistics.iterations += 1;
             if stale {
-                guarded |= !self.factorise(elastic, balance, x, statistics)?;
+                guarded |= !self.factorise(elastic, balance, origin, x, statistics)?;
                 statistics.factorisations += 1;
             }
             self.system.solve(&self.residual, &self.torques);
@@ -155,12 +174,14 @@ impl Newton {
         &mut self,
         elastic: &mut Elastic,
         balance: &Balance<3>,
+        origin: &[Vector],
         x: &[Vector],
         statistics: &Statistics,
     ) -> Result<bool, Error> {
         // Compression, of a guess or before a wing buckles, makes a tangent without a minimum.
         for safe in [false, true] {
             self.system.assemble(elastic, x, &self.velocity, balance, safe)?;
+            self.add_contact(elastic, balance, origin, x, safe);
             self.stiffness = self.system.stiffness();
             self.factorised = if safe { self.system.factorise_shifted() } else { self.system.matrix.factorise() };
             if self.factorised {
@@ -171,6 +192,21 @@ impl Newton {
         Err(UNSOLVED.error(statistics))
     }
 
+    /// Find the forces of contact in the shape `x` at rest.
+    pub(crate) fn touch_at_rest(&mut self, elastic: &Elastic, x: &[Vector]) -> Result<(), WingError> {
+        let Some(contact) = &mut self.contact else { return Ok(()) };
+        contact.begin_static();
+        contact.find_forces(elastic, x, x)
+    }
+
+    /// Add what contact in the shape `x` of a stage from `origin` adds to the matrix.
+    fn add_contact(&mut self, elastic: &Elastic, balance: &Balance<3>, origin: &[Vector], x: &[Vector], safe: bool) {
+        let Self { system, contact: Some(contact), .. } = self else { return };
+        contact.hessian(&elastic.faces, x, origin, safe, |point, hessian| {
+            system.add_to_triangle(point.triangle, point.shares, hessian * balance.elastic);
+        });
+    }
+
     /// Write r in the shape `x` to `residual`.
     fn find_residual(
         &mut self,
@@ -179,7 +215,10 @@ impl Newton {
         origin: &[Vector],
         x: &[Vector],
     ) -> Result<Imbalance, WingError> {
-        let Self { system, residual, torques, moved, inertia, velocity, .. } = self;
+        let Self { system, residual, torques, moved, inertia, velocity, contact, .. } = self;
+        if let Some(contact) = contact {
+            contact.find_forces(elastic, x, origin)?;
+        }
         for (k, first) in system.unknowns.iter().enumerate() {
             moved[k] = if first.is_some() { x[k] - origin[k] } else { Vector::zeros() };
             velocity[k] = moved[k] * balance.rate + balance.velocity[k];
@@ -192,7 +231,10 @@ impl Newton {
             if system.unknowns[k].is_none() {
                 continue;
             }
-            let of_node = balance.load[k] - inertia[k] * balance.mass - balance.d_times(k, &moved[k]);
+            let mut of_node = balance.load[k] - inertia[k] * balance.mass - balance.d_times(k, &moved[k]);
+            if let Some(contact) = contact {
+                of_node += contact.forces[k] * balance.elastic;
+            }
             *r = of_node - *r * balance.elastic;
             measure.add(*r, of_node, balance.load[k]);
         }

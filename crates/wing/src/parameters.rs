@@ -4,6 +4,7 @@ use mesh::Mesh;
 use serde::{Deserialize, Serialize};
 use structure::{Scheme, check_scheme, not_negative, positive};
 
+use crate::contact::Contact;
 use crate::geometry::refused;
 use crate::section::Section;
 use crate::{Error, Wing, twist};
@@ -97,6 +98,8 @@ pub struct Parameters {
     ///
     /// The membrane carries the mass that it has more, at least a thousandth of its own; gravity pulls all of it.
     pub displaced_density: f64,
+    /// Contact; absent, the wing passes through everything.
+    pub contact: Option<Contact>,
     /// Time scheme.
     pub scheme: Scheme,
     /// Longest sub-step, s.
@@ -142,6 +145,7 @@ impl Parameters {
             gravity: [0.0; 3],
             relaxation_time: 0.0,
             displaced_density: 0.0,
+            contact: None,
             scheme: Scheme::default(),
             max_step: None,
         }
@@ -227,6 +231,7 @@ impl Parameters {
             positive("max_step", longest)?;
         }
         check_scheme(self.scheme)?;
+        self.contact.as_ref().map_or(Ok(()), |contact| contact.check(self))?;
         match self.mesh.unused(self.veins.iter().map(|vein| &vein.nodes[..])) {
             Some(k) => Err(Error::value(format!("mesh.nodes[{k}]"), "in no triangle and no vein", "part of the wing")),
             None => Ok(()),

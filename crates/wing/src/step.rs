@@ -2,6 +2,7 @@
 
 use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
+use crate::contact::Contacts;
 use crate::geometry::Vector;
 use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
 
@@ -73,12 +74,16 @@ impl Structure<3> for Wing {
             // The fluid that moves with the wing tells of its inertia in the loads, which are not known yet.
             return Ok(());
         }
-        let Self { elastic, core, masses, .. } = self;
+        let Self { elastic, core, masses, newton, .. } = self;
+        newton.touch_at_rest(elastic, &core.state.positions)?;
         let Core { state, force, balance, guess, product, held, .. } = core;
         let (residual, direction) = (&mut balance.load, guess);
         elastic.gradient(&state.positions, &state.velocities, product)?;
         for k in 0..held.len() {
             state.net_forces[k] = force[k] - product[k];
+        }
+        if let Some(contact) = &newton.contact {
+            state.net_forces.iter_mut().zip(&contact.forces).for_each(|(net, force)| *net += force);
         }
         elastic.mass_times(&state.accelerations, product);
         let mut square = 0.0;
@@ -108,6 +113,14 @@ impl Structure<3> for Wing {
         Ok(())
     }
 
+    /// Where the wing may touch anything, BDF2 replaces TR-BDF2.
+    fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
+        let Self { core, elastic, newton, .. } = self;
+        let Some(contact) = &mut newton.contact else { return Ok(None) };
+        contact.look(&elastic.faces, &core.state.positions, &core.state.velocities, dt);
+        Ok(core.rule_in_contact(dt).filter(|_| contact.is_near))
+    }
+
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<RigidMotion>) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
         let placement = core.before.own.base.towards(span.base, span.to, span.duration);
@@ -120,7 +133,12 @@ impl Structure<3> for Wing {
         elastic.twists.predict(&core.state.own.twists, rule, span.dt, core.state.last_step);
         elastic.forget_shape();
         (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
-        newton.solve(elastic, &core.balance, &core.state.positions, &mut core.guess, &mut core.statistics)?;
+        if let Some(contact) = &mut newton.contact {
+            contact.begin(span.dt, [span.from, span.to]);
+        }
+        let origin = &core.state.positions;
+        newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics)?;
+        newton.contact.as_ref().map_or(Ok(()), |contact| contact.check(&elastic.faces, &core.guess, origin))?;
         elastic.twists.correct(rule, &mut core.state.own.twists);
         core.correct(rule, span.dt);
         if rule.old_force != 0.0 {
@@ -137,6 +155,11 @@ impl Structure<3> for Wing {
     fn guard(&mut self, _: &Span<RigidMotion>) -> Result<(), Error> {
         let Some(EnergyBefore { energy: before, rounding }) = self.energy_before else { return Ok(()) };
         let now = self.energy()?;
+        if self.newton.contact.as_ref().is_some_and(|contact| contact.is_near) {
+            // BDF2 takes some steps over an impulse, and the energy dips meanwhile.
+            self.energy_before = Some(EnergyBefore { energy: now, rounding });
+            return Ok(());
+        }
         let elastic = |energy: &Energy| energy.stretching + energy.bending + energy.veins;
         let [elastic, gravity] = [elastic(&now) - elastic(&before), now.gravity - before.gravity];
         let [work, worked] = self.work_of_loads();
@@ -152,10 +175,11 @@ impl Structure<3> for Wing {
     fn complete(&mut self, base: &RigidMotion) -> Result<Option<Reaction<3>>, Error> {
         self.core.state.own.base = *base;
         self.align();
+        self.newton.contact.iter_mut().for_each(|contact| contact.obstacles.stay());
         if self.parameters.root.nodes.is_empty() {
             return Ok(None);
         }
-        let Self { core, elastic, .. } = self;
+        let Self { core, elastic, newton, .. } = self;
         elastic.mass_times(&core.state.accelerations, &mut core.guess);
         let (x, v) = (&core.state.positions, &core.state.velocities);
         elastic.gradient(x, v, &mut core.product)?;
@@ -165,7 +189,10 @@ impl Structure<3> for Wing {
         let couple: Vector = x.iter().zip(&core.product).map(|(x, elastic)| elastic.cross(&(x - centre))).sum();
         let (mut force, mut moment, mut power) = (Vector::zeros(), couple, couple.dot(&omega));
         for k in (0..x.len()).filter(|&k| core.held[k]) {
-            let reaction = core.guess[k] + core.product[k] - core.force[k] + core.resistance(k, &v[k]);
+            let mut reaction = core.guess[k] + core.product[k] - core.force[k] + core.resistance(k, &v[k]);
+            if let Some(contact) = &newton.contact {
+                reaction -= contact.forces[k];
+            }
             force += reaction;
             moment += (x[k] - centre).cross(&reaction);
             power += reaction.dot(&v[k]);
@@ -187,15 +214,20 @@ impl Structure<3> for Wing {
     }
 
     fn find_elastic_forces(&mut self) -> Result<(), Error> {
-        let Self { core, elastic, .. } = self;
+        let Self { core, elastic, newton, .. } = self;
+        newton.touch_at_rest(elastic, &core.state.positions)?;
         elastic.omega = Vector::zeros();
         elastic.twists.keep();
         elastic.gradient(&core.state.positions, &core.balance.velocity, &mut core.product)?;
+        if let Some(contact) = &newton.contact {
+            core.product.iter_mut().zip(&contact.forces).for_each(|(product, force)| *product -= force);
+        }
         Ok(())
     }
 
     fn solve(&mut self, origin: &[Vector]) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
+        newton.contact.iter_mut().for_each(Contacts::begin_static);
         elastic.twists.keep();
         let solved = newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics);
         if solved.is_err() {
@@ -280,7 +312,8 @@ impl Wing {
         let held = (base.displacement, base.rotation) == (before.displacement, before.rotation)
             && still(base)
             && still(before);
-        held || self.parameters.root.nodes.is_empty()
+        let still = self.newton.contact.as_ref().is_none_or(|contact| contact.obstacles.are_still());
+        still && (held || self.parameters.root.nodes.is_empty())
     }
 
     /// Return the most work of the loads in the last sub-step, and the sum of its magnitudes over the nodes, J.

@@ -314,6 +314,13 @@ impl System {
         Ok(())
     }
 
+    /// Add second derivatives by a point of triangle `t` with these shares of its corners, N/m.
+    pub(crate) fn add_to_triangle(&mut self, t: usize, shares: [f64; 3], hessian: Matrix3<f64>) {
+        for (places, (j, k)) in self.faces[t].iter().zip(PAIRS) {
+            scatter(&mut self.matrix.values, places, &(hessian * (shares[j] * shares[k])));
+        }
+    }
+
     /// Return the largest diagonal entry of a node, N/m.
     pub(crate) fn stiffness(&self) -> f64 {
         (0..self.positions).fold(0.0, |largest, i| self.matrix.diagonal(i).abs().max(largest))

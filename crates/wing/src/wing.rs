@@ -1,10 +1,12 @@
 //! The wing: parameters, state, loads and results.
 
+use ::contact::Pose;
 use ::geometry::Crossings;
 use structure::{Core, Loads, Statistics, Structure};
 
 use crate::Error;
 use crate::base::{Memory, RigidMotion, WingState};
+use crate::contact::Contacts;
 use crate::elastic::Elastic;
 use crate::geometry::{Geometry, Vector};
 use crate::newton::Newton;
@@ -27,6 +29,8 @@ pub struct Energy {
     pub bending: f64,
     /// Energy of the veins.
     pub veins: f64,
+    /// Energy of contact.
+    pub contact: f64,
     /// Potential energy in gravity, 0 at rest.
     pub gravity: f64,
 }
@@ -34,7 +38,7 @@ pub struct Energy {
 impl Energy {
     /// Return the sum of all energies.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.stretching + self.bending + self.veins + self.gravity
+        self.kinetic + self.stretching + self.bending + self.veins + self.contact + self.gravity
     }
 }
 
@@ -86,7 +90,8 @@ impl Wing {
             face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
         }
         let gravity = Vector::from(parameters.gravity);
-        let newton = Newton::new(system, &elastic, &rest, size);
+        let contact = parameters.contact.as_ref().map(|own| Contacts::new(own, &parameters));
+        let newton = Newton::new(system, &elastic, &rest, size, contact);
         let mut core = Core::new(
             WingState::at_rest(rest, Memory { base: RigidMotion::rest(), twists: elastic.twists.at_rest() }),
             held,
@@ -148,9 +153,13 @@ impl Wing {
 
     /// Return the energies of the state.
     pub fn energy(&mut self) -> Result<Energy, Error> {
-        let Self { elastic, core, parameters, masses, .. } = self;
+        let Self { elastic, core, parameters, masses, newton, .. } = self;
         let Core { state, rest, product, .. } = core;
         let mut energy = elastic.energy(&state.positions)?;
+        if let Some(contact) = &mut newton.contact {
+            contact.begin_static();
+            energy.contact = contact.energy(&elastic.faces, &state.positions);
+        }
         elastic.mass_times(&state.velocities, product);
         energy.kinetic = 0.5 * product.iter().zip(&state.velocities).map(|(p, v)| p.dot(v)).sum::<f64>();
         let gravity = Vector::from(parameters.gravity);
@@ -192,6 +201,18 @@ impl Wing {
         self.align();
         found?;
         Ok(self.core.product.iter().map(|force| (-force).into()).collect())
+    }
+
+    /// Prescribe the places of obstacle `i` at the begin and the end of the next step; it then stays.
+    pub fn move_obstacle(&mut self, i: usize, places: [Pose<3>; 2]) {
+        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.obstacles.motion_mut(i)) {
+            *place = places;
+        }
+    }
+
+    /// Return the forces of contact on the nodes, N: `[nodes]`; empty without contact.
+    pub fn contact_forces(&self) -> &[Vector] {
+        self.newton.contact.as_ref().map_or(&[], |contact| &contact.forces)
     }
 
     /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.

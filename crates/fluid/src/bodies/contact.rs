@@ -61,6 +61,7 @@ where
         }
         let names = |pair: [usize; 2]| pair.map(|part| name(part, bodies.iter().chain(obstacles).map(|own| &own.name)));
         let solver = BodyContacts::new(parts, law).map_err(|pair| Error::Touch(names(pair)))?;
+        let solver = solver.with_periods(parameters.periods());
         Ok(Some(Self { solver, obstacles: obstacles.clone(), rigid: bodies.len() }))
     }
 
@@ -113,7 +114,7 @@ fn name<'a>(part: usize, mut names: impl Iterator<Item = &'a String>) -> String 
 }
 
 /// Return the place of the shape of a body.
-fn place<const D: usize>(body: &Body<D>, pose: &super::Pose<D>) -> Pose<D>
+pub fn place<const D: usize>(body: &Body<D>, pose: &super::Pose<D>) -> Pose<D>
 where
     [f64; D]: Space<D>,
 {

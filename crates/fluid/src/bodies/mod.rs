@@ -24,8 +24,8 @@ use ::rigid::{Mass, MountedStep, SpringMotion};
 pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
-pub use contact::Contacts;
-pub use rigid::Rigid;
+pub use contact::{Contacts, place};
+pub use rigid::{Push, Rigid};
 
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
 pub struct Bodies<const D: usize>
@@ -167,6 +167,11 @@ where
         self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried())
     }
 
+    /// Set what rods and wings do to bodies on a mount in the coming step, each by its number.
+    pub fn push<'a>(&mut self, pushes: impl Iterator<Item = (usize, &'a Push<D>)>) {
+        pushes.for_each(|(number, push)| self.rigid[number].push = *push);
+    }
+
     /// Let the solid bodies that were put to a predicted place move: those on springs find their velocities together with
     /// the drag of the fluid, those whose load was announced have the displacements `ends`. Add what the change of their
     /// velocities does to `u*` to `w`.
@@ -186,8 +191,9 @@ where
             if rigid.is_thin() || !rigid.is_predicted() {
                 continue;
             }
-            let drag =
+            let mut drag =
                 rigid.drag(c[0], self.cell_mass, rate, |point| u_star(point, w.each_ref().map(|w| w[point].to_f64())));
+            rigid.add_push(&mut drag);
             let change = rigid
                 .solve_springs(c, carried, self.density, &drag)
                 .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
@@ -449,6 +455,18 @@ where
                 w[cell.index] = R::rounded(w[cell.index].to_f64() + share * change);
             }
         }
+    }
+
+    /// Add the push of rods and wings to the drag.
+    fn add_push(&self, drag: &mut Drag<D>) {
+        let Push { load, velocities } = &self.push;
+        let predicted = self.pose.rates();
+        let change = |row: &Freedoms| (0..6).map(|j| row[j] * (velocities[j] - predicted[j])).sum::<f64>();
+        let (force, moment) = split::<D>(&load.impedance.each_ref().map(change));
+        drag.force = drag.force.plus(&load.force).plus(&Force { force, moment });
+        drag.impedance.iter_mut().zip(&load.impedance).for_each(|(row, own)| {
+            row.iter_mut().zip(own).for_each(|(entry, own)| *entry += own);
+        });
     }
 
     /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at

@@ -14,6 +14,7 @@ fn chain(vein: Vein, count: usize, length: f64, root: Root) -> Wing {
         gravity: [0.0, 0.0, -9.81],
         relaxation_time: 0.0,
         displaced_density: 0.0,
+        contact: None,
         scheme: Scheme::default(),
         max_step: None,
     };
@@ -101,6 +102,7 @@ fn a_hanging_chain_is_a_catenary() {
         gravity: [0.0, 0.0, -9.81],
         relaxation_time: 0.0,
         displaced_density: 0.0,
+        contact: None,
         scheme: Scheme::default(),
         max_step: None,
     };
