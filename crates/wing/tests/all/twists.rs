@@ -25,7 +25,7 @@ fn alone(mesh: Mesh, veins: Vec<Vein>) -> Parameters {
 
 fn arc(count: usize, radius: f64, angle: f64) -> Vec<[f64; 3]> {
     let place = |k: usize| (angle * k as f64 / count as f64).sin_cos();
-    (0..=count).map(|k| place(k)).map(|(sin, cos)| [radius * sin, radius * (1.0 - cos), 0.0]).collect()
+    (0..=count).map(place).map(|(sin, cos)| [radius * sin, radius * (1.0 - cos), 0.0]).collect()
 }
 
 /// Return the displacement of the last node under the force `p` on it.
