@@ -57,6 +57,8 @@ where
     rod_contact: Option<RodContact<D>>,
     limits: StepLimits,
     bytes_per_number: usize,
+    /// Number of cells, of all grids.
+    cells: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
     undo: Option<State<D>>,
 }
@@ -153,6 +155,7 @@ where
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
+            cells: parameters.all_cells(),
             undo: None,
             present,
             problem,
@@ -189,14 +192,7 @@ where
     /// Return the approximate memory of a state, bytes.
     pub fn state_bytes(&self) -> usize {
         let stations = self.motion.target.iter().map(Stations::len).sum::<usize>();
-        let cells = self.cells();
-        numbers_of_state::<D>() * self.bytes_per_number * cells + BYTES_PER_STATION * stations
-    }
-
-    /// Return the number of cells, of both grids.
-    fn cells(&self) -> usize {
-        let (own, bodies) = (self.grid.len(), self.problem.grid.len());
-        if self.has_fine_box() { own + bodies } else { own }
+        numbers_of_state::<D>() * self.bytes_per_number * self.cells + BYTES_PER_STATION * stations
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
@@ -281,7 +277,12 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.grid.cells == other.grid.cells && self.problem.grid.cells == other.problem.grid.cells),
+            (
+                "a field",
+                self.grid.cells == other.grid.cells
+                    && self.problem.grid.cells == other.problem.grid.cells
+                    && self.cells == other.cells,
+            ),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -300,9 +301,16 @@ where
         self.pressures.invalidate();
         self.solver.place_grid(Some(other.solver.way()), &self.present, &self.problem);
         let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
+        let [finest, coarsest] = [&other.problem.grid, &other.grid].map(|grid| grid.spacing[0]);
         let at = |grid: &Grid<D>, point: usize| {
-            let on_domain = usize::from(grid.spacing == other.grid.spacing);
-            velocities.each_ref().map(|on_grids| on_grids[on_domain][point])
+            // Nearest to one of three.
+            let spacing = grid.spacing[0];
+            let level = if spacing < 1.5 * finest {
+                0
+            } else {
+                velocities[0].len() - 1 - usize::from(spacing < 0.75 * coarsest)
+            };
+            velocities.each_ref().map(|on_grids| on_grids[level][point])
         };
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())

@@ -133,6 +133,21 @@ where
         points.for_each(|point| visit(flow, point));
     }
 
+    /// Call `visit` with some points of the domain, in ascending order, by the flow around the grid of the bodies.
+    fn for_each_in_coarse<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        self.for_each_in_domain(flow, points, visit);
+    }
+
+    /// Return the flows of all grids, the finest first.
+    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
+        vec![flow]
+    }
+
     /// Return the flow that has all points of the domain.
     fn of_domain<'a>(&'a self, flow: &'a Flow<R, D>) -> &'a Flow<R, D> {
         flow
