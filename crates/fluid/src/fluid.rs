@@ -199,7 +199,7 @@ where
     pub fn start_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
-        self.solver.place_grid(None, &self.present, &self.problem);
+        self.solver.place_grids(&[], &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
     }
 
@@ -299,7 +299,7 @@ where
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
         self.start_at(known.time);
         self.pressures.invalidate();
-        self.solver.place_grid(Some(other.solver.way()), &self.present, &self.problem);
+        self.solver.place_grids(&other.solver.ways(), &self.present, &self.problem);
         let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
         let [finest, coarsest] = [&other.problem.grid, &other.grid].map(|grid| grid.spacing[0]);
         let at = |grid: &Grid<D>, point: usize| {

@@ -30,8 +30,11 @@ where
     /// Start from the divergence-free part of a velocity.
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
-    /// Put the bodies' grid to where they are, or by a way (m) from where it began, before the first step.
-    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>);
+    /// Put the grids of boxes to where the bodies are, or by ways (m) from where they began, before the first step.
+    fn place_grids(&mut self, ways: &[[f64; D]], present: &Present<D>, problem: &Problem<D>);
+
+    /// Return the ways that the grids of boxes have moved, m, the finest first.
+    fn ways(&self) -> Vec<[f64; D]>;
 
     /// Return the way that the bodies' grid has moved, m.
     fn way(&self) -> [f64; D];
@@ -187,8 +190,12 @@ where
         self.scheme.start(velocity, &mut self.flow, present, problem);
     }
 
-    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>) {
-        self.scheme.place_grid(way, &mut self.flow, present, problem);
+    fn place_grids(&mut self, ways: &[[f64; D]], present: &Present<D>, problem: &Problem<D>) {
+        self.scheme.place_grids(ways, &mut self.flow, present, problem);
+    }
+
+    fn ways(&self) -> Vec<[f64; D]> {
+        self.scheme.ways()
     }
 
     fn way(&self) -> [f64; D] {

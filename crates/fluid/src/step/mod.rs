@@ -68,8 +68,13 @@ where
     /// Copy the memory from `memory`, which [`Self::fits`].
     fn restore(&mut self, memory: &Memory<R, D>);
 
-    /// Put the grid of the bodies to where they are, or by a way (m) from where it began, before the first step.
-    fn place_grid(&mut self, _: Option<[f64; D]>, _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+    /// Put the grids of boxes to where the bodies are, or by ways (m) from where they began, before the first step.
+    fn place_grids(&mut self, _: &[[f64; D]], _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+
+    /// Return the ways that the grids of boxes have moved, m, the finest first.
+    fn ways(&self) -> Vec<[f64; D]> {
+        vec![]
+    }
 
     /// Return the way that the grid of the bodies has moved, m, or that of another memory.
     fn way(&self, _: Option<&Memory<R, D>>) -> [f64; D] {

@@ -165,11 +165,11 @@ where
 
     /// Move the box to where it is after moves by so many coarse cells, before the first step.
     ///
-    /// `way` (m) is that of what the box follows.
-    pub fn place(&mut self, moved: &[i32], way: [f64; D]) {
+    /// `way` (m) is that of what the box follows, `ways` are those of the boxes around it, if they are given.
+    pub fn place(&mut self, moved: &[i32], way: [f64; D], ways: &[[f64; D]]) {
         let Self { scheme, flow, present, problem, .. } = self;
         problem.box_displacement = way;
-        scheme.place_grid(None, flow, present, problem);
+        scheme.place_grids(ways, flow, present, problem);
         self.link.moved.copy_from_slice(moved);
         self.background.transfer.place(moved);
         self.write_both_ends();

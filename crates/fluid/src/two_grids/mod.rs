@@ -467,20 +467,20 @@ where
         }
     }
 
-    fn place_grid(&mut self, way: Option<[f64; D]>, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+    fn place_grids(&mut self, ways: &[[f64; D]], flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         let moved = std::array::from_fn::<_, D, _>(|axis| {
-            let left = match way {
+            let left = match ways.first() {
                 Some(way) => self.coarse.cells_left(axis, way[axis]),
                 None => self.cells_left(axis, problem, &present.flexible.stations),
             };
             let [least, most] = self.range[axis];
             (f64::from(self.coarse.link.moved[axis]) + left.round()).clamp(least, most) as i32
         });
-        if moved[..] != self.coarse.link.moved {
+        let others = ways.get(1..).unwrap_or_default();
+        if moved[..] != self.coarse.link.moved || !others.is_empty() {
             let all = problem.grid.cells.map(|cells| 0..cells);
             self.add_coarse_at(&all, -1.0, flow, 0.0);
-            let way = way.unwrap_or_else(|| self.way_of_followed(problem, &present.flexible.stations));
-            self.coarse.place(&moved, way);
+            self.coarse.place(&moved, self.way_of_followed(problem, &present.flexible.stations), others);
             self.place_rim();
             self.add_coarse_at(&all, 1.0, flow, 0.0);
         }
@@ -489,6 +489,10 @@ where
     fn way(&self, memory: Option<&Memory<R, D>>) -> [f64; D] {
         let link = if let Some(Memory::TwoGrids(memory)) = memory { &memory.coarse.link } else { &self.coarse.link };
         self.coarse.way(link)
+    }
+
+    fn ways(&self) -> Vec<[f64; D]> {
+        [self.way(None)].into_iter().chain(self.coarse.scheme.ways()).collect()
     }
 
     fn start(
@@ -683,12 +687,18 @@ fn smooth_step(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Body, Law, Motion};
+    use crate::parameters::{Body, Law, MiddleBox, Motion};
     use crate::shapes::Polyline;
     use crate::state::{ByPrecision, CoarseState};
 
     #[test]
     fn the_coarse_flow_gains_the_momentum_of_all_that_it_receives() {
+        coarse_flow_gains_what_it_receives(false);
+        coarse_flow_gains_what_it_receives(true);
+    }
+
+    /// The flow of the domain, below one or two boxes.
+    fn coarse_flow_gains_what_it_receives(has_middle: bool) {
         let h = 0.02;
         let mut parameters = Parameters::new([[-3.0, 3.0]; 2], [36; 2], 1.0, 0.02, h);
         let fall = Law::new(|t| (-0.5 * t * t, -t));
@@ -697,13 +707,22 @@ mod tests {
         parameters.bodies = vec![Body { motion: Some(motion), ..plate }];
         let follows = Some(Followed::Rigid(0));
         parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
+        if has_middle {
+            parameters.fine_box = Some(FineBox { first: [14, 11], cells: [12; 2], ratio: 4, follows });
+            parameters.middle_box = Some(MiddleBox { first: [6, 4], cells: [28; 2], ratio: 2 });
+        }
         let mut fluid = crate::Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
         let mut checked = 0;
         for step in 0..60 {
             fluid.advance(h * f64::from(step), h).unwrap_or_else(|e| panic!("{e}"));
             let ByPrecision::Double(fields) = fluid.solver.fields() else { panic!("another precision") };
             let Memory::TwoGrids(memory) = fields.memory else { panic!("another scheme") };
-            let CoarseState { flow, memory: TwoStep { before, earlier, step_before, .. }, link } = memory.coarse;
+            let mut coarse = memory.coarse;
+            while let Memory::TwoGrids(memory) = coarse.memory {
+                coarse = memory.coarse;
+            }
+            let CoarseState { flow, memory: Memory::Sbdf2(memory), link } = coarse else { panic!("another scheme") };
+            let TwoStep { before, earlier, step_before, .. } = memory;
             if link.length != link.step || step_before != link.step {
                 continue;
             }
