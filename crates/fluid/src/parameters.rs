@@ -441,7 +441,7 @@ where
             if cells < least {
                 return refuse(format!("has {cells} coarse cells along {name}, but it needs {least}"));
             }
-            if fine.first[axis] + cells > grid.cells[axis] {
+            if fine.first[axis] + fine.cells[axis] > grid.cells[axis] {
                 return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, out of the domain"));
             }
             if let Some([from, to]) = self.walls[axis].filter(|[from, to]| low < *from || high > *to) {
