@@ -153,11 +153,8 @@ fn a_light_cylinder_on_springs_moves_as_on_one_grid() {
 
 /// Return the velocity at a time of a vortex that a stream of 1 m/s carries, with steps of `h`.
 fn vortex(h: f64, is_on_three: bool) -> Vec<f64> {
-    let mut parameters = if is_on_three {
-        on_three_grids(&cylinder(50.0, 16, Some(4), h))
-    } else {
-        cylinder(50.0, 8, Some(2), h)
-    };
+    let mut parameters =
+        if is_on_three { on_three_grids(&cylinder(50.0, 16, Some(4), h)) } else { cylinder(50.0, 8, Some(2), h) };
     (parameters.bodies, parameters.sponge, parameters.max_cfl) = (vec![], None, 0.9);
     let mut fluid = new(&parameters);
     fluid.set_velocity(|[x, y]| {
