@@ -18,12 +18,9 @@ GRIDS: dict[str, tuple[list[list[float]], int]] = {
     "24 x 16, one grid": ([], 1),
     "6 x 4, ratio 4": ([[-2.4, 3.6], [-2.0, 2.0]], 4),
     "8 x 6, ratio 4": ([[-2.9, 5.1], [-3.0, 3.0]], 4),
-    "3.5 x 3, ratio 4, in 8 x 6, ratio 2": ([[-1.5, 2.0], [-1.5, 1.5]], 4),
     "6 x 4, ratio 2": ([[-2.4, 3.6], [-2.0, 2.0]], 2),
 }
 """Ends of the fine box, diameters, and ratio of the cells."""
-MIDDLE: dict[str, list[list[float]]] = {"3.5 x 3, ratio 4, in 8 x 6, ratio 2": [[-3.0, 5.0], [-3.0, 3.0]]}
-"""Ends of the middle box, diameters; its ratio is 2."""
 FLOWS: dict[int, dict[str, Any]] = {40: {}, 100: flapping.SHEDDING}  # By Reynolds number
 
 
@@ -31,8 +28,7 @@ def cases() -> Iterator[Case]:
     for reynolds, flow in FLOWS.items():
         for label, (ends, ratio) in GRIDS.items():
             fine = {"fluid.fine_box": dict(zip("xy", ends, strict=True)) | {"ratio": ratio}} if ends else {}
-            middle = {"fluid.middle_box": dict(zip("xy", MIDDLE[label], strict=True))} if label in MIDDLE else {}
-            changes = flapping.NARROW | flow | {"fluid.box.cells": [384 // ratio, 256 // ratio]} | fine | middle
+            changes = flapping.NARROW | flow | {"fluid.box.cells": [384 // ratio, 256 // ratio]} | fine
             about = {"reynolds": reynolds, "grids": label}
             yield Case(f"Re {reynolds}/{label}", FLUID, SCENE, changes, action=measured, about=about)
 
