@@ -274,7 +274,6 @@ fn steps_allocate_nothing(mut parameters: Parameters) {
 fn pressure_on_two_grids_is_that_on_one() {
     let h = 0.0125;
     pressure_is_that_on_one(&cylinder(40.0, 12, Some(2), h), &cylinder(40.0, 12, None, h));
-    pressure_is_that_on_one(&on_three_grids(&cylinder(40.0, 16, Some(4), h)), &cylinder(40.0, 16, None, h));
 }
 
 fn pressure_is_that_on_one(own: &Parameters, of_one: &Parameters) {
