@@ -85,7 +85,21 @@ def driven(end: float = 1.0) -> dict:
     }
 
 
-@pytest.mark.parametrize("scene", (SCENE, driven()), ids=("still", "follows"))
+def on_three_grids(scene: dict) -> dict:
+    """Return a scene with a smaller fine box, of cells a quarter as long as the large ones, in a middle box."""
+    scene = copy.deepcopy(scene)
+    fine, ends = scene["fluid"]["fine_box"], ([-1.5, 1.5], [-3.25, 3.25])
+    scene["fluid"]["fine_box"] = fine | {"x": ends[0], "y": ends[0], "ratio": 4}
+    scene["fluid"]["middle_box"] = {"x": ends[1], "y": ends[1]}
+    return scene
+
+
+SCENES = {"still": SCENE, "follows": driven(), "three grids": on_three_grids(SCENE)} | {
+    "three grids follow": on_three_grids(driven())
+}
+
+
+@pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 @pytest.mark.parametrize("version", (2, 3))
 def test_a_unit_on_two_grids_goes_back_and_on_in_another_instance(version, scene, instantiate):
     unit, other = (instantiate(scene, version=version)["fluid"] for _ in range(2))
@@ -157,9 +171,14 @@ def test_inspect_shows_the_cells_of_both(libraries, tmp_path):
     shown = nervure("inspect", str(tmp_path / "scene.json")).stdout
     assert "48 x 32 cells of 0.25 x 0.25 m" in shown, shown
     assert "80 x 64 cells of 0.0625 x 0.0625 m" in shown, shown
+    (tmp_path / "scene.json").write_text(json.dumps(on_three_grids(SCENE)))
+    shown = nervure("inspect", str(tmp_path / "scene.json")).stdout
+    assert "52 x 52 cells of 0.125 x 0.125 m" in shown and "48 x 48 cells of 0.0625 x 0.0625 m" in shown, shown
 
 
 FINE = SCENE["fluid"]["fine_box"]
+THREE = {name: on_three_grids(SCENE)["fluid"][name] for name in ("fine_box", "middle_box")}
+MIDDLE = THREE["middle_box"]
 
 
 @pytest.mark.parametrize(
@@ -184,6 +203,18 @@ FINE = SCENE["fluid"]["fine_box"]
             ["fluid.bodies[0].position", "rim of `fine_box`"],
         ),
         ({"fine_box": FINE | {"x": [-1.0, 3.0]}}, ["beam.root", "rim of `fine_box`"]),
+        ({"fine_box": None, "middle_box": MIDDLE}, ["fluid.middle_box", "must have a `fine_box` in it"]),
+        (THREE | {"middle_box": MIDDLE | {"ratio": 3}}, ["fluid.middle_box.ratio", "`fine_box.ratio`, which is 4"]),
+        (THREE | {"middle_box": MIDDLE | {"ratio": 4}}, ["fluid.middle_box.ratio", "a multiple of it, such as 8"]),
+        (THREE | {"middle_box": MIDDLE | {"x": [-2.5, 3.0]}}, ["fluid.middle_box.x", "reach 5 cells", "1.250000 m"]),
+        (THREE | {"middle_box": MIDDLE | {"y": [-3.0, 4.5]}}, ["fluid.middle_box.y", "inside the box"]),
+        (THREE | {"middle_box": MIDDLE | {"x": [-3.0, 6.5]}}, ["fluid.middle_box.x", "into the sponge"]),
+        (THREE | {"middle_box": MIDDLE | {"z": [-2.0, 2.0]}}, ["fluid.middle_box.z", "axes of `box`"]),
+        (THREE | {"fine_box": THREE["fine_box"] | {"y": [-0.75, 1.0]}}, ["16 cells of the middle box", "has 14"]),
+        (
+            THREE | {"fine_box": THREE["fine_box"] | {"follow": "beam"}, "middle_box": MIDDLE | {"x": [-3.0, 3.25]}},
+            ["fluid.middle_box.x", "reach 7 cells"],
+        ),
     ),
 )
 def test_a_fine_box_that_cannot_be_is_refused_by_its_key(parts, named, libraries, tmp_path):

@@ -16,6 +16,9 @@ pub enum Error {
     /// A fine box that cannot be.
     #[error("the fine box {0}")]
     FineBox(String),
+    /// A middle box with which no step can be made.
+    #[error("the middle box {0}")]
+    MiddleBox(String),
     /// A body in the rim of the fine box.
     #[error(
         "a body drags the fluid at {place:.4?} m at t = {time:.6e} s, in the rim of the fine box: it must stay {rim} \

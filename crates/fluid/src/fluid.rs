@@ -59,6 +59,8 @@ where
     /// Whether several steps in a communication step are taken under announced loads.
     divides_loads: bool,
     bytes_per_number: usize,
+    /// Number of cells, of all grids.
+    cells: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
     undo: Option<State<D>>,
 }
@@ -156,6 +158,7 @@ where
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             divides_loads: parameters.divides_loads,
             bytes_per_number: parameters.precision.bytes(),
+            cells: parameters.all_cells(),
             undo: None,
             present,
             problem,
@@ -192,21 +195,14 @@ where
     /// Return the approximate memory of a state, bytes.
     pub fn state_bytes(&self) -> usize {
         let stations = self.motion.target.iter().map(Stations::len).sum::<usize>();
-        let cells = self.cells();
-        numbers_of_state::<D>() * self.bytes_per_number * cells + BYTES_PER_STATION * stations
-    }
-
-    /// Return the number of cells, of both grids.
-    fn cells(&self) -> usize {
-        let (own, bodies) = (self.grid.len(), self.problem.grid.len());
-        if self.has_fine_box() { own + bodies } else { own }
+        numbers_of_state::<D>() * self.bytes_per_number * self.cells + BYTES_PER_STATION * stations
     }
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
     pub fn start_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
-        self.solver.place_grid(None, &self.present, &self.problem);
+        self.solver.place_grids(&[], &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
     }
 
@@ -290,7 +286,12 @@ where
     pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
         let (own, known) = (&self.present, &other.present);
         for (part, fits) in [
-            ("a field", self.grid.cells == other.grid.cells && self.problem.grid.cells == other.problem.grid.cells),
+            (
+                "a field",
+                self.grid.cells == other.grid.cells
+                    && self.problem.grid.cells == other.problem.grid.cells
+                    && self.cells == other.cells,
+            ),
             ("the list of bodies", own.carried.len() == known.carried.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
@@ -308,11 +309,18 @@ where
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
         self.start_at(known.time);
         self.pressures.invalidate();
-        self.solver.place_grid(Some(other.solver.way()), &self.present, &self.problem);
+        self.solver.place_grids(&other.solver.ways(), &self.present, &self.problem);
         let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
+        let [finest, coarsest] = [&other.problem.grid, &other.grid].map(|grid| grid.spacing[0]);
         let at = |grid: &Grid<D>, point: usize| {
-            let on_domain = usize::from(grid.spacing == other.grid.spacing);
-            velocities.each_ref().map(|on_grids| on_grids[on_domain][point])
+            // Nearest to one of three.
+            let spacing = grid.spacing[0];
+            let level = if spacing < 1.5 * finest {
+                0
+            } else {
+                velocities[0].len() - 1 - usize::from(spacing < 0.75 * coarsest)
+            };
+            velocities.each_ref().map(|on_grids| on_grids[level][point])
         };
         self.solver.start(&at, &mut self.present, &mut self.problem);
         Ok(())

@@ -12,7 +12,7 @@ use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 use crate::error::Error;
 use crate::gust::Gust;
 use crate::parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone,
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
 };
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
@@ -85,6 +85,11 @@ where
                 scene::Followed::Master => Followed::Master,
             });
             FineBox { first, cells, ratio: fine.ratio, follows }
+        }),
+        middle_box: fluid.middle_box.as_ref().map(|middle| {
+            let places = middle.places(&fluid.r#box);
+            let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
+            MiddleBox { first, cells, ratio: middle.ratio }
         }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,

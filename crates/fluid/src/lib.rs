@@ -58,7 +58,9 @@ pub use geometry::space::Solid;
 pub use grid::Grid;
 pub use gust::Gust;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
-pub use parameters::{Body, Contact, Extent, FineBox, Flexible, Followed, Law, Motion, Mount, Parameters, Skin, Zone};
+pub use parameters::{
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
+};
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
 pub use space::{Kinematics, Space, Spin, Turn};

@@ -76,8 +76,7 @@ where
 
     /// Return a velocity component on [`Self::grid_of_bodies`], m/s.
     pub fn fine_velocity(&self, axis: usize) -> Vec<f64> {
-        let [own, _] = self.solver.velocities(axis);
-        self.order_from_low_end(&own)
+        self.order_from_low_end(&self.solver.own_velocity(axis))
     }
 
     /// Return a vorticity component on the same grid, 1/s.

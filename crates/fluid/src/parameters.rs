@@ -18,6 +18,12 @@ use crate::space::{Freedoms, Kinematics, Space, Spin};
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
 
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Cells of the domain by which a fine box that moves may come nearer to the ends of the middle one.
+const CELLS_TO_FOLLOW: usize = 2;
+
 /// A fluid and the bodies in it. [`Parameters::new`] has every default: a periodic domain without a body.
 #[derive(Clone, Debug)]
 pub struct Parameters<const D: usize = 2>
@@ -30,6 +36,8 @@ where
     pub cells: [usize; D],
     /// Box of finer cells with all bodies in it; absent: the bodies are on the cells of the domain.
     pub fine_box: Option<FineBox<D>>,
+    /// Box of cells between those of the domain and those of the fine box, which is in it; absent: there is none.
+    pub middle_box: Option<MiddleBox<D>>,
     /// Density, kg/m³.
     pub density: f64,
     /// Kinematic viscosity, m²/s.
@@ -95,6 +103,17 @@ pub struct FineBox<const D: usize = 2> {
     pub follows: Option<Followed>,
 }
 
+/// A box of finer cells in the domain, with still finer ones in it. It moves with these.
+#[derive(Clone, Copy, Debug)]
+pub struct MiddleBox<const D: usize = 2> {
+    /// Number of the point of the domain's grid at its lower end along each axis.
+    pub first: [usize; D],
+    /// Cells of the domain across it along each axis.
+    pub cells: [usize; D],
+    /// Its cells in one of the domain along an axis.
+    pub ratio: usize,
+}
+
 /// What a fine box follows: a body, by its number among those of its kind, or a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Followed {
@@ -113,11 +132,38 @@ impl<const D: usize> FineBox<D> {
     /// Width beyond the rim in which W, the share of the flow that is given back, grows from 0 to 1, coarse cells.
     pub const GROWTH: f64 = 2.0;
 
+    /// Return the cells of the domain that a middle box reaches beyond it, if they move or not.
+    fn rim_of_box(moves: bool) -> usize {
+        (Self::RIM + Self::GROWTH) as usize + if moves { CELLS_TO_FOLLOW } else { 0 }
+    }
+
     /// Fewest coarse cells across it: both rims, and a body.
     pub const LEAST_CELLS: usize = 2 * (Self::RIM + Self::GROWTH) as usize + 6;
 
     /// Fine cells in a coarse one.
     pub const RATIOS: RangeInclusive<usize> = 2..=8;
+
+    /// Return the same box in the cells of a larger one around it.
+    pub(crate) fn within(&self, around: &Self) -> Self {
+        Self {
+            first: std::array::from_fn(|axis| (self.first[axis] - around.first[axis]) * around.ratio),
+            cells: self.cells.map(|cells| cells * around.ratio),
+            ratio: self.ratio / around.ratio,
+            follows: self.follows,
+        }
+    }
+
+    /// Return the cells of a larger box by which it may move back and forth: within a range of coarse cells, and no nearer
+    /// to the ends of the larger one, which has its own range, than a body may be.
+    pub(crate) fn range_within(&self, around: &Self, of_around: [[f64; 2]; D], own: [[f64; 2]; D]) -> [[f64; 2]; D] {
+        let rim = Self::RIM + Self::GROWTH;
+        std::array::from_fn(|axis| {
+            let before = self.first[axis] as f64 - around.first[axis] as f64 - rim;
+            let behind = around.cells[axis] as f64 - self.cells[axis] as f64 - before - 2.0 * rim;
+            let [[back, forth], [least, most]] = [own[axis], of_around[axis]];
+            [back.max(least - before), forth.min(most + behind)].map(|cells| cells * around.ratio as f64)
+        })
+    }
 
     /// Return its grid.
     pub(crate) fn grid(&self, coarse: &Grid<D>) -> Grid<D> {
@@ -295,6 +341,7 @@ where
             domain,
             cells,
             fine_box: None,
+            middle_box: None,
             density,
             kinematic_viscosity,
             initial_velocity: [0.0; D],
@@ -346,7 +393,7 @@ where
         ];
         widths.chain(numbers).try_for_each(|(name, value)| require_positive(name, value))?;
         self.check_cells()?;
-        self.fine_box.iter().try_for_each(|fine| self.check_fine_box(fine))?;
+        self.check_boxes()?;
         self.bodies.iter().try_for_each(|body| self.check_body(body))?;
         Contacts::new(self)?;
         self.flexible.iter().try_for_each(|body| self.check_flexible(body))
@@ -368,10 +415,38 @@ where
         Ok(())
     }
 
-    /// Refuse a fine box that has no room between its rims, or is not well within the domain, between walls and zones.
-    fn check_fine_box(&self, fine: &FineBox<D>) -> Result<(), Error> {
-        const AXES: [&str; 3] = ["x", "y", "z"];
-        let refuse = |reason: String| Err(Error::FineBox(reason));
+    /// Refuse a fine box that has no room between its rims, or is not well within the domain, between walls and zones; and
+    /// the same of a middle box, which must be well around it.
+    fn check_boxes(&self) -> Result<(), Error> {
+        let (Some(fine), middle) = (&self.fine_box, &self.middle_box) else {
+            let lacks_fine = self.middle_box.map(|_| Error::MiddleBox("has no fine box in it".into()));
+            return lacks_fine.map_or(Ok(()), Err);
+        };
+        let between = middle.map_or(1, |middle| middle.ratio.max(1));
+        self.check_box(fine, between).map_err(Error::FineBox)?;
+        let Some(middle) = self.middle() else { return Ok(()) };
+        self.check_box(&middle, 1).map_err(Error::MiddleBox)?;
+        if fine.ratio <= middle.ratio || !fine.ratio.is_multiple_of(middle.ratio) {
+            let (own, finest) = (middle.ratio, fine.ratio);
+            let reason =
+                format!("has cells {own} times as fine, of which the {finest} of the fine box are no multiple");
+            return Err(Error::MiddleBox(reason));
+        }
+        let rim = FineBox::<D>::rim_of_box(fine.follows.is_some());
+        for (axis, name) in AXES.into_iter().enumerate().take(D) {
+            let [low, high] = [fine.first[axis], fine.first[axis] + fine.cells[axis]];
+            if low < middle.first[axis] + rim || high + rim > middle.first[axis] + middle.cells[axis] {
+                return Err(Error::MiddleBox(format!(
+                    "must reach {rim} coarse cells beyond the fine box along {name}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Return what is wrong with a fine box in whose place each cell of the domain is `between` cells.
+    fn check_box(&self, fine: &FineBox<D>, between: usize) -> Result<(), String> {
+        let refuse = |reason: String| Err(reason);
         let (grid, least) = (self.grid(), FineBox::<D>::LEAST_CELLS);
         let own = fine.grid(&grid);
         let ends = |axis: usize| [0.0, own.size[axis]].map(|of| own.coordinate(axis, 0) + of);
@@ -386,11 +461,11 @@ where
             return refuse("does not reach the outlet, from which the pressure around a beam is taken".into());
         }
         for (axis, name) in AXES.into_iter().enumerate().take(D) {
-            let (cells, [low, high]) = (fine.cells[axis], ends(axis));
+            let (cells, [low, high]) = (fine.cells[axis] * between, ends(axis));
             if cells < least {
                 return refuse(format!("has {cells} coarse cells along {name}, but it needs {least}"));
             }
-            if fine.first[axis] + cells > grid.cells[axis] {
+            if fine.first[axis] + fine.cells[axis] > grid.cells[axis] {
                 return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, out of the domain"));
             }
             if let Some([from, to]) = self.walls[axis].filter(|[from, to]| low < *from || high > *to) {
@@ -419,8 +494,12 @@ where
         Ok(())
     }
 
-    /// Return the coarse cells by which a fine box may move back and forth along an axis, between walls and zones.
-    pub(crate) fn range_of_fine_box(&self, fine: &FineBox<D>, axis: usize) -> [f64; 2] {
+    /// Return the coarse cells by which a fine box may move back and forth along each axis, between walls and zones.
+    pub(crate) fn range_of_fine_box(&self, fine: &FineBox<D>) -> [[f64; 2]; D] {
+        std::array::from_fn(|axis| self.range_along(fine, axis))
+    }
+
+    fn range_along(&self, fine: &FineBox<D>, axis: usize) -> [f64; 2] {
         let (grid, own) = (self.grid(), fine.grid(&self.grid()));
         let (spacing, size) = (grid.spacing[axis], grid.size[axis]);
         let [low, high] = [0.0, own.size[axis]].map(|of| own.coordinate(axis, 0) + of);
@@ -522,9 +601,17 @@ where
         Grid::new(self.domain, self.cells)
     }
 
-    /// Return the number of cells, of both grids.
+    /// Return the number of cells, of all grids.
     pub(crate) fn all_cells(&self) -> usize {
-        self.grid().len() + self.fine_box.map_or(0, |_| self.grid_of_bodies().len())
+        let grid = self.grid();
+        let boxes = self.fine_box.into_iter().chain(self.middle());
+        grid.len() + boxes.map(|own| own.grid(&grid).len()).sum::<usize>()
+    }
+
+    /// Return the middle box as a fine one of the domain; absent where there is none, or no fine box in it.
+    pub(crate) fn middle(&self) -> Option<FineBox<D>> {
+        let (fine, MiddleBox { first, cells, ratio }) = (self.fine_box?, self.middle_box?);
+        Some(FineBox { first, cells, ratio, follows: fine.follows.map(|_| Followed::Master) })
     }
 
     /// Return the grid with the bodies: that of the fine box, or of the domain.
@@ -535,21 +622,26 @@ where
 
     /// Return the parameters of the fluid around the bodies: in the fine box without walls and zones, or the same.
     pub(crate) fn around_bodies(&self) -> Cow<'_, Self> {
-        let Some(fine) = &self.fine_box else { return Cow::Borrowed(self) };
+        self.fine_box.as_ref().map_or(Cow::Borrowed(self), |fine| Cow::Owned(self.within(fine)))
+    }
+
+    /// Return the parameters in a box of finer cells, without walls and zones.
+    pub(crate) fn within(&self, fine: &FineBox<D>) -> Self {
         let grid = fine.grid(&self.grid());
-        Cow::Owned(Self {
+        Self {
             domain: std::array::from_fn(|axis| {
                 let low = grid.coordinate(axis, 0);
                 [low, low + grid.size[axis]]
             }),
             cells: grid.cells,
             fine_box: None,
+            middle_box: None,
             mean_flow: None,
             walls: [None; D],
             inflow: None,
             sponge: None,
             ..self.clone()
-        })
+        }
     }
 
     /// Return the parameters of the same fluid without bodies.

@@ -8,6 +8,7 @@ use line_fft::Real;
 use method::{Precision, TimeScheme};
 
 use crate::error::Error;
+use crate::filter::Damping;
 use crate::flow::Flow;
 use crate::parameters::Parameters;
 use crate::present::Present;
@@ -29,8 +30,11 @@ where
     /// Start from the divergence-free part of a velocity.
     fn start(&mut self, velocity: &StartVelocity<D>, present: &mut Present<D>, problem: &mut Problem<D>);
 
-    /// Put the bodies' grid to where they are, or by a way (m) from where it began, before the first step.
-    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>);
+    /// Put the grids of boxes to where the bodies are, or by ways (m) from where they began, before the first step.
+    fn place_grids(&mut self, ways: &[[f64; D]], present: &Present<D>, problem: &Problem<D>);
+
+    /// Return the ways that the grids of boxes have moved, m, the finest first.
+    fn ways(&self) -> Vec<[f64; D]>;
 
     /// Return the way that the bodies' grid has moved, m.
     fn way(&self) -> [f64; D];
@@ -59,8 +63,11 @@ where
     /// Return a velocity component, m/s; in single precision a copy.
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]>;
 
-    /// Return a velocity component on the grid of the bodies, m/s, and that of the coarse flow; the same on one grid.
-    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2];
+    /// Return a velocity component on each grid, m/s, that of the bodies first.
+    fn velocities(&self, axis: usize) -> Vec<Cow<'_, [f64]>>;
+
+    /// Return a velocity component on the grid of the bodies, m/s.
+    fn own_velocity(&self, axis: usize) -> Cow<'_, [f64]>;
 
     /// Return a vorticity component on the grid of the bodies, 1/s.
     fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]>;
@@ -140,11 +147,24 @@ where
 {
     let points = parameters.grid_of_bodies().len();
     let flow = Flow::uniform(parameters.initial_velocity, points);
-    if let Some(fine) = &parameters.fine_box {
-        let scheme = TwoGrids::<R, T, D>::new(parameters, fine, problem);
+    let Some(fine) = &parameters.fine_box else {
+        let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
+        return Box::new(Solver { flow, scheme, precision: PhantomData });
+    };
+    let grid = parameters.grid();
+    let of_domain = Sbdf2::<R, T, D>::new(T::new(&grid, Damping::EachAxis, parameters.threads), grid.len());
+    let of_domain = of_domain.with_source();
+    let range = parameters.range_of_fine_box(fine);
+    if let Some(middle) = parameters.middle() {
+        let within = parameters.within(&middle);
+        let around = Problem::new(&within.without_bodies());
+        let most = parameters.range_of_fine_box(&middle);
+        let of_middle = TwoGrids::<R, T, _, D>::new(parameters, &middle, most, &around, of_domain).below();
+        let (fine, range) = (fine.within(&middle), fine.range_within(&middle, most, range));
+        let scheme = TwoGrids::<R, T, _, D>::new(&within, &fine, range, problem, of_middle);
         return Box::new(Solver { flow, scheme, precision: PhantomData });
     }
-    let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
+    let scheme = TwoGrids::<R, T, _, D>::new(parameters, fine, range, problem, of_domain);
     Box::new(Solver { flow, scheme, precision: PhantomData })
 }
 
@@ -170,8 +190,12 @@ where
         self.scheme.start(velocity, &mut self.flow, present, problem);
     }
 
-    fn place_grid(&mut self, way: Option<[f64; D]>, present: &Present<D>, problem: &Problem<D>) {
-        self.scheme.place_grid(way, &mut self.flow, present, problem);
+    fn place_grids(&mut self, ways: &[[f64; D]], present: &Present<D>, problem: &Problem<D>) {
+        self.scheme.place_grids(ways, &mut self.flow, present, problem);
+    }
+
+    fn ways(&self) -> Vec<[f64; D]> {
+        self.scheme.ways()
     }
 
     fn way(&self) -> [f64; D] {
@@ -216,8 +240,12 @@ where
         self.scheme.over_domain(&self.flow, |flow| &flow.velocity[axis])
     }
 
-    fn velocities(&self, axis: usize) -> [Cow<'_, [f64]>; 2] {
-        [&self.flow, self.scheme.of_domain(&self.flow)].map(|flow| R::field_to_f64(&flow.velocity[axis]))
+    fn velocities(&self, axis: usize) -> Vec<Cow<'_, [f64]>> {
+        self.scheme.flows(&self.flow).into_iter().map(|flow| R::field_to_f64(&flow.velocity[axis])).collect()
+    }
+
+    fn own_velocity(&self, axis: usize) -> Cow<'_, [f64]> {
+        R::field_to_f64(&self.flow.velocity[axis])
     }
 
     fn own_vorticity(&self, component: usize) -> Cow<'_, [f64]> {
@@ -233,7 +261,14 @@ where
     }
 
     fn coarse_velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
-        self.scheme.of_domain(&self.flow).velocity_by(weights)
+        let mut sums = [0.0; D];
+        for &(point, weight) in weights {
+            self.scheme.for_each_in_coarse(&self.flow, point..point + 1, |flow, own| {
+                let at = flow.velocity_at(own);
+                sums.iter_mut().zip(at).for_each(|(sum, u)| *sum += weight * u);
+            });
+        }
+        sums
     }
 
     fn sum_of_u(&self, points: Range<usize>) -> f64 {

@@ -85,7 +85,7 @@ pub struct CoarseState<R: Real, const D: usize> {
     /// The flow.
     pub flow: Flow<R, D>,
     /// Memory of its scheme.
-    pub memory: TwoStep<R, D>,
+    pub memory: Memory<R, D>,
     /// What the grids exchange.
     pub link: Link,
 }

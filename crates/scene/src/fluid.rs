@@ -27,6 +27,10 @@ pub struct Fluid {
     /// fields have the cells of `box`.
     #[serde(default)]
     pub fine_box: Option<FineBox>,
+    /// A box between `box` and `fine_box`, around the latter, with cells of a size between theirs; absent: there is none. It
+    /// saves time where the fine box would else be long, and where its cells are more than twice as fine.
+    #[serde(default)]
+    pub middle_box: Option<MiddleBox>,
     /// Uniform velocity at t = 0, m/s; a component that is left out is 0.
     #[serde(default = "still")]
     #[schemars(length(min = 2, max = 3))]
@@ -138,6 +142,25 @@ pub struct FineBox {
     /// `fine_box.motion.x`, `.y`, `.z` displace it, m. Absent: the box stays.
     #[serde(default)]
     pub follow: Option<String>,
+}
+
+/// A box of finer cells around the fine box, in which its cells are finer still. It keeps five cells of the large box from
+/// the fine box, seven if that follows a body; then it follows too. Its ends move to the nearest points of the large grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MiddleBox {
+    /// Ends along x, m.
+    pub x: [f64; 2],
+    /// Ends along y, m.
+    pub y: [f64; 2],
+    /// Ends along z, m; absent in two dimensions.
+    #[serde(default)]
+    pub z: Option<[f64; 2]>,
+    /// Its cells in a cell of the large box along each axis. `fine_box.ratio`, which counts the same of the fine ones, is a
+    /// multiple, such as 4 of 2. The fine box needs sixteen of these cells, and keeps five of them from the bodies.
+    #[serde(default = "two")]
+    #[schemars(range(min = 2, max = 4))]
+    pub ratio: usize,
 }
 
 fn two() -> usize {
@@ -334,15 +357,32 @@ impl FineBox {
         .collect()
     }
 
-    /// Return the ends between the rims along each axis, m.
-    pub(crate) fn inner(&self, large: &FluidBox) -> Vec<[f64; 2]> {
+    /// Return how many of the cells around it a body keeps from its ends.
+    fn rim(&self) -> f64 {
+        FINE_BOX_RIM_CELLS + if self.follow.is_some() { CELLS_TO_FOLLOW } else { 0.0 }
+    }
+
+    /// Return the ends between the rims along each axis, m. In its place a large cell is `between` cells.
+    fn inner(&self, large: &FluidBox, between: usize) -> Vec<[f64; 2]> {
         let axes = self.places(large).into_iter().zip(large.ends()).zip(large.spacing());
         axes.map(|(([first, cells], [low, _]), cell)| {
             let at = |cells: f64| low + (first as f64 + cells) * cell;
-            let rim = FINE_BOX_RIM_CELLS + if self.follow.is_some() { CELLS_TO_FOLLOW } else { 0.0 };
+            let rim = self.rim() / between as f64;
             [at(rim), at(cells as f64 - rim)]
         })
         .collect()
+    }
+}
+
+impl MiddleBox {
+    /// Return the number of the first point of the large grid and the number of its cells along each axis.
+    pub fn places(&self, large: &FluidBox) -> Vec<[usize; 2]> {
+        self.alone().places(large)
+    }
+
+    /// Return it as a fine box.
+    fn alone(&self) -> FineBox {
+        FineBox { x: self.x, y: self.y, z: self.z, ratio: self.ratio, follow: None }
     }
 }
 
@@ -363,6 +403,16 @@ impl Fluid {
     pub(crate) fn spacing(&self) -> Vec<f64> {
         let ratio = self.fine_box.as_ref().map_or(1, |fine| fine.ratio) as f64;
         self.r#box.spacing().into_iter().map(|cell| cell / ratio).collect()
+    }
+
+    /// Return the cells in a large one around the fine box: those of the middle box, or one.
+    fn cells_around_fine_box(&self) -> usize {
+        self.middle_box.as_ref().map_or(1, |middle| middle.ratio)
+    }
+
+    /// Return the ends between the rims of the fine box along each axis, m.
+    pub(crate) fn inner_of_fine_box(&self) -> Option<Vec<[f64; 2]>> {
+        Some(self.fine_box.as_ref()?.inner(&self.r#box, self.cells_around_fine_box()))
     }
 
     /// Return how far beyond its shape at rest a part, which may be a beam, drags the fluid, m.
@@ -400,7 +450,10 @@ const PROBE_NAME: &str = "^[A-Za-z][A-Za-z0-9_]*$";
 impl Check for Fluid {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.check_box(&format!("{key}.box"), faults);
-        self.check_fine_box(&format!("{key}.fine_box"), faults);
+        if let Some(fine) = &self.fine_box {
+            self.check_fine_box(fine, self.cells_around_fine_box(), &format!("{key}.fine_box"), faults);
+        }
+        self.check_middle_box(key, faults);
         self.check_zones(key, faults);
         self.probes.check_at(&format!("{key}.probes"), faults);
         let cylinders: Vec<_> = self.cylinders.iter().map(Body::from).collect();
@@ -457,9 +510,43 @@ impl Fluid {
         });
     }
 
-    /// Check that a fine box has room between its rims, and lies between walls and zones.
-    fn check_fine_box(&self, key: &str, faults: &mut Faults) {
-        let Some(fine) = &self.fine_box else { return };
+    /// Check that a middle box is well around a fine one, with cells between theirs.
+    fn check_middle_box(&self, key: &str, faults: &mut Faults) {
+        let Some(middle) = &self.middle_box else { return };
+        let key = format!("{key}.middle_box");
+        let Some(fine) = &self.fine_box else {
+            faults.require(false, &key, "without `fine_box`", || "it must have a `fine_box` in it".into());
+            return;
+        };
+        let known = faults.len();
+        self.check_fine_box(&middle.alone(), 1, &key, faults);
+        let divides = middle.ratio > 0 && fine.ratio > middle.ratio && fine.ratio.is_multiple_of(middle.ratio);
+        faults.require(divides, &format!("{key}.ratio"), middle.ratio, || {
+            format!("`fine_box.ratio`, which is {}, must be a multiple of it, such as {}", fine.ratio, 2 * middle.ratio)
+        });
+        if faults.len() > known || fine.z.is_some() != middle.z.is_some() {
+            return;
+        }
+        let (rim, places) = (fine.rim() as usize, fine.places(&self.r#box).into_iter().zip(middle.places(&self.r#box)));
+        for (((name, own), ([first, cells], [from, count])), cell) in
+            [("x", middle.x), ("y", middle.y), ("z", middle.z.unwrap_or_default())]
+                .into_iter()
+                .zip(places)
+                .zip(self.r#box.spacing())
+        {
+            let is_around = from + rim <= first && first + cells + rim <= from + count;
+            faults.require(is_around, &format!("{key}.{name}"), format!("{own:?}"), || {
+                format!(
+                    "it must reach {rim} cells of the large box, {:.6} m, beyond `fine_box` on both sides",
+                    rim as f64 * cell
+                )
+            });
+        }
+    }
+
+    /// Check that a fine box has room between its rims, and lies between walls and zones. In its place a cell of the large
+    /// box is `between` cells.
+    fn check_fine_box(&self, fine: &FineBox, between: usize, key: &str, faults: &mut Faults) {
         let known = faults.len();
         let agree = fine.z.is_some() == self.r#box.z.is_some();
         faults.require(agree, &format!("{key}.z"), if fine.z.is_some() { "given" } else { "absent" }, || {
@@ -482,8 +569,9 @@ impl Fluid {
         let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(walls);
         for (name, (([_, cells], own), walls)) in ["x", "y", "z"].into_iter().zip(places) {
             let key = format!("{key}.{name}");
+            let (cells, around) = (cells * between, if between > 1 { "middle" } else { "large" });
             faults.require(cells >= LEAST_CELLS_OF_FINE_BOX, &key, format!("{own:?}"), || {
-                format!("it must have {LEAST_CELLS_OF_FINE_BOX} cells of the large box across, and has {cells}")
+                format!("it must have {LEAST_CELLS_OF_FINE_BOX} cells of the {around} box across, and has {cells}")
             });
             let between = walls.is_none_or(|[low, high]| low <= own[0] && own[1] <= high);
             faults.require(between, &key, format!("{own:?}"), || format!("it must lie between the walls at {walls:?}"));

@@ -62,8 +62,8 @@ pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
 pub use fluid::{
-    Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe,
-    Sponge,
+    Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, MiddleBox,
+    Motion, Probe, Sponge,
 };
 pub use flyer::{Flyer, FlyerHinge, FlyerSpring, FreedomName, HingeDrive, HingeLaws};
 pub use law::TimeLaw;

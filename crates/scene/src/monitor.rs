@@ -172,8 +172,10 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, lacks_contact: bool, see: S
             format!("reaches {} m into a wall of the channel{help}", rounded(reached))
         });
     }
-    if let Some(fine) = fluid.fine_box.as_ref().filter(|fine| fine.follow.is_none()) {
-        for (axis, [low, high]) in fine.inner(&fluid.r#box).into_iter().enumerate() {
+    if let Some(inner) =
+        fluid.inner_of_fine_box().filter(|_| fluid.fine_box.as_ref().is_some_and(|fine| fine.follow.is_none()))
+    {
+        for (axis, [low, high]) in inner.into_iter().enumerate() {
             // A run ends at the first point of the rim with drag.
             let over = out(axis, [low + part.reach, high - part.reach]);
             let ended = (over - cell[axis] * (1.0 - ROUNDING)).max(0.0);

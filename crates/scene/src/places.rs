@@ -326,7 +326,7 @@ fn in_rim(fluid: &Fluid, shape: &Shape) -> Option<String> {
 
 /// Return the same of what lies between two ends along each axis, m.
 fn of_rim(fluid: &Fluid, bounds: &[[f64; 2]; 3]) -> Option<String> {
-    let inner = fluid.fine_box.as_ref()?.inner(&fluid.r#box);
+    let inner = fluid.inner_of_fine_box()?;
     let sides = inner.into_iter().zip(bounds).zip(AXES);
     sides
         .filter(|((inner, own), _)| own[0] < inner[0] || own[1] > inner[1])

@@ -19,7 +19,7 @@ from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
-from nervure.scene.types import FineBox, Fluid
+from nervure.scene.types import FineBox, Fluid, MiddleBox
 from nervure.simulation import checkpoint, results, verified
 from nervure.simulation.session import Session
 from nervure.units.describe import unit_kinds
@@ -89,8 +89,11 @@ def show_scene(console: Console, scene: Scene) -> None:
     if fluid := scene.fluid:
         spacing = (f"{length:.3g}" for length in cell_lengths(fluid))
         rows.append(("fluid", f"{' x '.join(map(str, fluid.box.cells))} cells of {' x '.join(spacing)} m"))
+        if middle := fluid.middle_box:
+            rows.append(("middle box", _cells_of(middle, fluid)))
         if fine := fluid.fine_box:
-            rows.append(("fine box", _fine_box(fine, fluid)))
+            follows = f", follows {fine.follow}" if fine.follow else ""
+            rows.append(("fine box", f"{_cells_of(fine, fluid)}{follows}"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in facts.beams:
         beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in facts.thickness[own.force][[0, -1]])
@@ -124,8 +127,8 @@ def show_scene(console: Console, scene: Scene) -> None:
     _print(console, scene.name, rows)
 
 
-def _fine_box(fine: FineBox, fluid: Fluid) -> str:
-    """Return number and lengths of the cells of a fine box."""
+def _cells_of(fine: FineBox | MiddleBox, fluid: Fluid) -> str:
+    """Return number and lengths of the cells of a box in the large one."""
     counts, lengths = [], []
     for (low, high), (own_low, own_high), large in zip(
         (end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end),
@@ -136,8 +139,7 @@ def _fine_box(fine: FineBox, fluid: Fluid) -> str:
         cell = (high - low) / large
         counts.append(str(fine.ratio * (round((own_high - low) / cell) - round((own_low - low) / cell))))
         lengths.append(f"{cell / fine.ratio:.3g}")
-    follows = f", follows {fine.follow}" if fine.follow else ""
-    return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m{follows}"
+    return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m"
 
 
 def _measured(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -26,7 +26,8 @@ from nervure.scene.types import ShapeCircularCylinder
 
 FILE = "verify.json"
 FOLDERS = "verify-*"  # Names of the folders of verifications, beside those of runs
-GEOMETRY = ("fluid.box.", "fluid.fine_box.", "fluid.precision")  # Keys of the physics that are numerical here
+GEOMETRY = ("fluid.box.", "fluid.fine_box.", "fluid.middle_box.", "fluid.precision")
+"""Keys of the physics that are numerical here."""
 DIGITS = 9
 
 

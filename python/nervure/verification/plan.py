@@ -126,10 +126,11 @@ def work(scene: Scene) -> float:
     if fluid := scene.fluid:
         steps *= max(1.0, scene.time.communication_step / fluid.time_stepping.max_step)
         cells = float(math.prod(fluid.box.cells))
-        if fine := fluid.fine_box:
-            ends = [end for end in (fine.x, fine.y, fine.z) if end]
+        large = cells
+        for own in filter(None, (fluid.fine_box, fluid.middle_box)):
+            ends = [end for end in (own.x, own.y, own.z) if end]
             parts = ((b - a) / (d - c) for (a, b), (c, d) in zip(ends, box_ends(fluid), strict=True))
-            cells += math.prod(parts) * cells * fine.ratio ** len(fluid.box.cells)
+            cells += math.prod(parts) * large * own.ratio ** len(fluid.box.cells)
         unknowns += cells * len(fluid.box.cells) / 2
     unknowns += PER_SEGMENT * sum(own.beam.segments for own in scene.rods)
     unknowns += PER_SEGMENT * scene.beam.segments if scene.beam and scene.rod else 0
@@ -243,17 +244,23 @@ def _vary_ratio(scene: Scene, factor: float) -> Changes:
     assert scene.fluid and scene.fluid.fine_box, "the ratio is that of a fine box"
     ratio = max(1, round(scene.fluid.fine_box.ratio * factor))
     reached = ratio / scene.fluid.fine_box.ratio
-    return {"fluid.fine_box.ratio": ratio, "fluid.box.cells": [round(n / reached) for n in scene.fluid.box.cells]}
+    changes: Changes = {"fluid.fine_box.ratio": ratio}
+    if middle := scene.fluid.middle_box:
+        changes["fluid.middle_box.ratio"] = round(middle.ratio * reached)
+    return changes | {"fluid.box.cells": [round(n / reached) for n in scene.fluid.box.cells]}
 
 
 def _vary_fine_box(scene: Scene, factor: float) -> Changes:
     assert scene.fluid and scene.fluid.fine_box, "a scene has a fine box"
-    fine, changes = scene.fluid.fine_box, Changes()
+    changes = Changes()
     for axis, (low, high) in zip("xyz", box_ends(scene.fluid), strict=False):
-        own = getattr(fine, axis)
+        own = getattr(scene.fluid.fine_box, axis)
         more = (own[1] - own[0]) * (1 / factor - 1) / 2
         edge = (high - low) / 32
-        changes[f"fluid.fine_box.{axis}"] = [max(own[0] - more, low + edge), min(own[1] + more, high - edge)]
+        for name in ("fine_box", "middle_box"):
+            if ends := getattr(getattr(scene.fluid, name), axis, None):
+                wider = [max(ends[0] - more, low + edge), min(ends[1] + more, high - edge)]
+                changes[f"fluid.{name}.{axis}"] = wider
     return changes
 
 

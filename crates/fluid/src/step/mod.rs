@@ -68,8 +68,13 @@ where
     /// Copy the memory from `memory`, which [`Self::fits`].
     fn restore(&mut self, memory: &Memory<R, D>);
 
-    /// Put the grid of the bodies to where they are, or by a way (m) from where it began, before the first step.
-    fn place_grid(&mut self, _: Option<[f64; D]>, _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+    /// Put the grids of boxes to where the bodies are, or by ways (m) from where they began, before the first step.
+    fn place_grids(&mut self, _: &[[f64; D]], _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
+
+    /// Return the ways that the grids of boxes have moved, m, the finest first.
+    fn ways(&self) -> Vec<[f64; D]> {
+        vec![]
+    }
 
     /// Return the way that the grid of the bodies has moved, m, or that of another memory.
     fn way(&self, _: Option<&Memory<R, D>>) -> [f64; D] {
@@ -131,6 +136,21 @@ where
         mut visit: impl FnMut(&'a Flow<R, D>, usize),
     ) {
         points.for_each(|point| visit(flow, point));
+    }
+
+    /// Call `visit` with some points of the domain, in ascending order, by the flow around the grid of the bodies.
+    fn for_each_in_coarse<'a>(
+        &'a self,
+        flow: &'a Flow<R, D>,
+        points: Range<usize>,
+        visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        self.for_each_in_domain(flow, points, visit);
+    }
+
+    /// Return the flows of all grids, the finest first.
+    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
+        vec![flow]
     }
 
     /// Return the flow that has all points of the domain.

@@ -82,9 +82,14 @@ where
         &mut self.memory
     }
 
+    /// Return the given acceleration, m/s².
+    pub fn source(&self) -> Option<&[Field<R>; D]> {
+        self.source.as_ref()
+    }
+
     /// Return the given acceleration, m/s², to be set.
-    pub fn source_mut(&mut self) -> &mut Option<[Field<R>; D]> {
-        &mut self.source
+    pub fn source_mut(&mut self) -> Option<&mut [Field<R>; D]> {
+        self.source.as_mut()
     }
 
     /// Return a component of G at a point, m/s².

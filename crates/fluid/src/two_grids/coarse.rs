@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use line_fft::Real;
+use line_fft::{Real, Team};
 
+use super::levels::CoarseScheme;
 use super::patch::Patch;
 use super::transfer::{FilterRoom, Rows, Transfer};
 use crate::error::Error;
-use crate::filter::Damping;
 use crate::flow::Flow;
 use crate::parameters::{FineBox, Parameters};
 use crate::present::Present;
@@ -15,7 +15,7 @@ use crate::problem::Problem;
 use crate::space::Space;
 use crate::spectral::Transforms;
 use crate::state::{CoarseState, Link};
-use crate::step::{DomainReader, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
+use crate::step::{DomainReader, StartVelocity, Substep};
 
 /// Share of a fine step by which it may end after the coarse flow.
 const SAME_TIME: f64 = 1e-9;
@@ -55,7 +55,7 @@ impl<const D: usize> Background<D> {
 }
 
 /// The coarse flow of the whole domain, at a time when the fine flow has not yet reached it.
-pub struct Coarse<R: Real, T, const D: usize>
+pub struct Coarse<R: Real, T, S, const D: usize>
 where
     [f64; D]: Space<D>,
 {
@@ -64,7 +64,8 @@ where
     /// What is exchanged.
     pub link: Link,
     flow: Flow<R, D>,
-    scheme: Sbdf2<R, T, D>,
+    /// On one grid, or on two again.
+    pub scheme: S,
     /// The last force with its pressure in the fine box.
     patch: Patch<R, T, D>,
     problem: Problem<D>,
@@ -85,16 +86,14 @@ struct Saved<R: Real, const D: usize> {
     link: Link,
 }
 
-impl<R: Real, T: Transforms<R, D>, const D: usize> Coarse<R, T, D>
+impl<R: Real, T: Transforms<R, D>, S: CoarseScheme<R, D>, const D: usize> Coarse<R, T, S, D>
 where
     [f64; D]: Space<D>,
 {
     /// A uniform flow.
-    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>) -> Self {
+    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>, scheme: S) -> Self {
         let (grid, velocity) = (parameters.grid(), parameters.initial_velocity);
-        let transfer = Transfer::new(&grid, fine);
-        let transforms = T::new(&grid, Damping::EachAxis, parameters.threads);
-        let (scheme, flow) = (Sbdf2::new(transforms, grid.len()).with_source(), Flow::uniform(velocity, grid.len()));
+        let (transfer, flow) = (Transfer::new(&grid, fine), Flow::uniform(velocity, grid.len()));
         let numbers = (2 * D + <[f64; D]>::VORTICITY) * transfer.len();
         let link = Link {
             ends: [vec![0.0; numbers], vec![0.0; numbers]],
@@ -135,14 +134,15 @@ where
     }
 
     fn write_both_ends(&mut self) {
-        self.write_end();
+        self.write_end(&Team::alone());
         let [before, end] = &mut self.link.ends;
         before.copy_from_slice(end);
         self.background.now.copy_from_slice(end);
     }
 
     /// Write the coefficients of the flow to the last end.
-    fn write_end(&mut self) {
+    fn write_end(&mut self, team: &Team) {
+        self.scheme.find_g(team);
         let Self { background: Background { transfer, .. }, link, flow, scheme, patch, room, .. } = self;
         let (of_flow, of_g) = link.ends[1].split_at_mut(flow.fields().count() * transfer.len());
         write_flow(transfer, flow, room, of_flow);
@@ -164,7 +164,12 @@ where
     }
 
     /// Move the box to where it is after moves by so many coarse cells, before the first step.
-    pub fn place(&mut self, moved: &[i32]) {
+    ///
+    /// `way` (m) is that of what the box follows, `ways` are those of the boxes around it, if they are given.
+    pub fn place(&mut self, moved: &[i32], way: [f64; D], ways: &[[f64; D]]) {
+        let Self { scheme, flow, present, problem, .. } = self;
+        problem.box_displacement = way;
+        scheme.place_grids(ways, flow, present, problem);
         self.link.moved.copy_from_slice(moved);
         self.background.transfer.place(moved);
         self.write_both_ends();
@@ -182,12 +187,19 @@ where
         transfer.place(moved);
         self.take_force();
         self.patch.solve();
-        self.write_end();
+        self.write_end(&Team::alone());
         let Self { background: Background { transfer, .. }, link, scheme, room, .. } = self;
         let ([from, to], before) = (&mut link.ends, &scheme.two_step().before);
         let first = before.fields().count() * transfer.len();
         from[first..].iter_mut().zip(&to[first..]).for_each(|(from, to)| *from += to);
         write_flow(transfer, before, room, &mut from[..first]);
+    }
+
+    /// Let a box that has this flow as its fine one go after a way (m) of what both boxes follow.
+    pub fn follow(&mut self, way: [f64; D]) {
+        let Self { scheme, flow, present, problem, .. } = self;
+        problem.box_displacement = way;
+        scheme.follow(flow, present, problem);
     }
 
     /// Return whether a fine step of `dt` (s) ends after the coarse flow.
@@ -203,19 +215,21 @@ where
         saved.earlier.copy_from(&memory.earlier);
         (saved.inv_tau, saved.step_before) = (memory.inv_tau, memory.step_before);
         saved.link.copy_from(&self.link);
+        self.scheme.save_below();
     }
 
     /// Go back to before the step that was made since.
     pub fn undo(&mut self) {
         let Self { saved, flow, scheme, link, present, .. } = self;
         scheme.take_back(flow, &saved.earlier, saved.inv_tau, saved.step_before);
+        scheme.undo_below();
         link.copy_from(&saved.link);
         (present.step, present.advection_rate) = (link.step, link.advection_rate);
     }
 
     /// Return a copy of everything that the next step depends on.
     pub fn state(&self) -> CoarseState<R, D> {
-        let (flow, memory) = (self.flow.clone(), self.scheme.two_step().clone());
+        let (flow, memory) = (self.flow.clone(), self.scheme.memory());
         let mut state = CoarseState { flow, memory, link: self.link.clone() };
         self.save(&mut state);
         state
@@ -224,23 +238,21 @@ where
     /// Copy everything that the next step depends on.
     pub fn save(&self, state: &mut CoarseState<R, D>) {
         state.flow.copy_from(&self.flow);
-        state.memory.copy_from(self.scheme.two_step());
+        self.scheme.save(&mut state.memory);
         state.link.copy_from(&self.link);
         (state.link.step, state.link.advection_rate) = (self.present.step, self.present.advection_rate);
     }
 
     /// Return whether a state has the same size, and its numbers are finite.
     pub fn fits(&self, state: &CoarseState<R, D>) -> bool {
-        self.flow.has_shape_of(&state.flow)
-            && self.scheme.two_step().fits(&state.memory)
-            && self.link.has_shape_of(&state.link)
+        self.flow.has_shape_of(&state.flow) && self.scheme.fits(&state.memory) && self.link.has_shape_of(&state.link)
     }
 
     /// Go to a state that fits.
     pub fn restore(&mut self, state: &CoarseState<R, D>) {
         self.background.transfer.place(&state.link.moved);
         self.flow.copy_from(&state.flow);
-        self.scheme.two_step_mut().copy_from(&state.memory);
+        self.scheme.restore(&state.memory);
         self.link.copy_from(&state.link);
         (self.present.step, self.present.advection_rate) = (state.link.step, state.link.advection_rate);
     }
@@ -250,7 +262,7 @@ where
         let Self { background: Background { transfer, .. }, link, scheme, patch, room, .. } = self;
         patch.clear();
         let force = link.force.chunks_exact(transfer.len());
-        for (axis, (source, force)) in scheme.source_mut().iter_mut().flatten().zip(force).enumerate() {
+        for (axis, (source, force)) in scheme.force_mut().into_iter().flatten().zip(force).enumerate() {
             source.fill(R::zero());
             transfer.add_to_points(force, room, |point, place, part| {
                 source[point] = R::rounded(source[point].to_f64() + part);
@@ -273,11 +285,11 @@ where
         let end = fine.end - fine.dt + link.ahead + dt;
         let step = Substep { dt, end, stations: &[], displacements: &[], ends: &[], ahead: None, ..*fine };
         let is_first = present.step == 0.0;
-        scheme.step(&step, flow, present, problem).inspect_err(|_| link.copy_from(&saved.link))?;
+        scheme.step_in_place(&step, flow, present, problem).inspect_err(|_| link.copy_from(&saved.link))?;
         link.ahead += dt;
         link.length = dt;
         link.ends.swap(0, 1);
-        self.write_end();
+        self.write_end(fine.team);
         if is_first {
             // Before the first step nothing is known of G: 0 would be late by a step, and the order in time one.
             let first = (D + <[f64; D]>::VORTICITY) * self.background.transfer.len();
@@ -328,8 +340,8 @@ where
     /// that at a fine point.
     pub fn read_in_domain(&mut self, at_fine: impl Fn(usize) -> f64, read: &mut DomainReader) {
         let Self { background: Background { transfer, .. }, flow, scheme, problem, present, .. } = self;
-        let pi = scheme.total_pressure(flow, present, problem);
-        read(&|point| transfer.in_box(point).map_or_else(|| static_pressure(pi, flow, point), &at_fine));
+        let finer = |point: usize| transfer.in_box(point).map(&at_fine);
+        scheme.read_around(&finer, flow, present, problem, read);
     }
 }
 

@@ -23,6 +23,7 @@
 //! place: in all stored flows the cells that the box leaves become those that it newly covers, with another coarse flow.
 
 mod coarse;
+mod levels;
 mod patch;
 mod transfer;
 
@@ -43,9 +44,11 @@ use crate::space::{Space, Vector};
 use crate::spectral::{AdvectionRate, Transforms};
 use crate::state::{Memory, TwoGridsMemory, TwoStep};
 use crate::stations::Stations;
-use crate::step::{Differences, DomainReader, Sbdf2, Scheme, StartVelocity, Substep, static_pressure};
+use crate::step::{Differences, DomainReader, Sbdf2, Scheme, StartVelocity, Substep};
 
 use coarse::{Background, Coarse};
+use levels::Below;
+pub use levels::CoarseScheme;
 use transfer::Rows;
 
 /// Distance from its place in the box at which a followed body moves the box, coarse cells. A body that goes to and fro less
@@ -59,12 +62,14 @@ const DAMPING: f64 = 3.0;
 const MOST: usize = 3;
 
 /// A fine flow in a coarse one.
-pub struct TwoGrids<R: Real, T, const D: usize>
+pub struct TwoGrids<R: Real, T, S, const D: usize>
 where
     [f64; D]: Space<D>,
 {
     fine: Sbdf2<R, T, D>,
-    coarse: Coarse<R, T, D>,
+    coarse: Coarse<R, T, S, D>,
+    /// Absent where no finer flow has this one as its coarse one.
+    below: Option<Below<R, D>>,
     spacing: [f64; D],
     ratio: f64,
     /// Largest CFL number of a step.
@@ -95,13 +100,20 @@ struct Room {
     of_row: Vec<f64>,
 }
 
-impl<R: Real, T: Transforms<R, D>, const D: usize> TwoGrids<R, T, D>
+impl<R: Real, T: Transforms<R, D>, S: CoarseScheme<R, D>, const D: usize> TwoGrids<R, T, S, D>
 where
     [f64; D]: Space<D>,
 {
-    /// A uniform flow on both grids, with the bodies of a problem at t = 0.
-    pub fn new(parameters: &Parameters<D>, fine: &FineBox<D>, problem: &Problem<D>) -> Self {
-        let (grid, coarse) = (fine.grid(&parameters.grid()), Coarse::new(parameters, fine));
+    /// A uniform flow on both grids, with the bodies of a problem at t = 0. The box may move by a `range` of coarse cells
+    /// back and forth along each axis; `scheme` is that of the coarse flow.
+    pub fn new(
+        parameters: &Parameters<D>,
+        fine: &FineBox<D>,
+        range: [[f64; 2]; D],
+        problem: &Problem<D>,
+        scheme: S,
+    ) -> Self {
+        let (grid, coarse) = (fine.grid(&parameters.grid()), Coarse::new(parameters, fine, scheme));
         let transforms = T::new(&grid, parameters.filter.into(), parameters.threads);
         let threads = transforms.threads();
         let transfer = &coarse.background.transfer;
@@ -115,7 +127,7 @@ where
             ratio: fine.ratio as f64,
             max_cfl: parameters.max_cfl,
             follows: fine.follows.map(|body| (body, problem.place_of(body, &stations))),
-            range: std::array::from_fn(|axis| parameters.range_of_fine_box(fine, axis)),
+            range,
             damping: ones(),
             window: ones(),
             left: ones(),
@@ -124,6 +136,7 @@ where
             room: vec![room; threads],
             pressure: vec![0.0; transfer.len()],
             fine: Sbdf2::new(transforms, grid.len()).with_source(),
+            below: None,
             coarse,
         };
         own.place_rim();
@@ -148,8 +161,14 @@ where
         self.coarse.cells_left(axis, problem.place_of(body, stations)[axis] - home[axis])
     }
 
+    /// Return the way of what the box follows since it was at rest, m.
+    fn way_of_followed(&self, problem: &Problem<D>, stations: &[Stations<D>]) -> [f64; D] {
+        let way = self.follows.map(|(body, home)| problem.place_of(body, stations) - home);
+        way.map_or([0.0; D], Into::into)
+    }
+
     /// Move the box after what it follows, by at most a coarse cell along each axis.
-    fn follow(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+    fn move_after(&mut self, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         for axis in 0..D {
             let (left, moved) =
                 (self.cells_left(axis, problem, &present.flexible.stations), self.coarse.link.moved[axis]);
@@ -232,9 +251,10 @@ where
         link.elapsed = 0.0;
     }
 
-    /// Write −I G_c to the given acceleration of the fine flow.
-    fn write_source(&mut self, team: &Team) {
-        let Self { fine, coarse, room, .. } = self;
+    /// Write −I G_c, and with `all` what a finer flow gives, to the given acceleration of the fine flow.
+    fn write_source(&mut self, team: &Team, all: bool) {
+        let Self { fine, coarse, below, room, .. } = self;
+        let force = below.as_ref().filter(|_| all).map(|below| &below.force);
         let Some(source) = fine.source_mut() else { return };
         let background = &coarse.background;
         let (transfer, first) = (&background.transfer, D + <[f64; D]>::VORTICITY);
@@ -243,17 +263,23 @@ where
             for (axis, source) in source.into_iter().enumerate() {
                 let values = transfer.interpolate(background.component(first + axis), plane, rows);
                 source.iter_mut().zip(values).for_each(|(source, g)| *source = R::rounded(-g));
+                if let Some(force) = force {
+                    let force = &force[axis][plane * source.len()..];
+                    let both = source.iter_mut().zip(force);
+                    both.for_each(|(source, m)| *source = R::rounded(source.to_f64() + m.to_f64()));
+                }
             }
         });
     }
 
     /// Take I U off `w` = u* + tau G, damp what is left of u* in the rim, and restrict what that takes in a step of `dt`
-    /// with c_0 (1/s).
+    /// with c_0 (1/s), and what a finer flow gives.
     fn take_off(&mut self, team: &Team, flow: &Flow<R, D>, c_0: f64, dt: f64, crossing_rate: f64) {
         for (left, share) in self.left.iter_mut().flatten().zip(self.damping.iter().flatten()) {
             *left = 1.0 / (1.0 + DAMPING * crossing_rate * share / c_0);
         }
-        let Self { fine, coarse, left, of_planes, damped, room, .. } = self;
+        let Self { fine, coarse, below, left, of_planes, damped, room, .. } = self;
+        let force = below.as_ref().map(|below| &below.force);
         let background = &coarse.background;
         let (transfer, of_plane) = (&background.transfer, background.transfer.plane_len());
         let (w, last, inv_tau) = fine.w_and_last();
@@ -269,9 +295,11 @@ where
                 w.iter_mut().zip(values).for_each(|(w, coarse)| *w = R::rounded(w.to_f64() - coarse));
                 for (row, w) in w.chunks_exact_mut(own.len()).enumerate() {
                     let known = row * own.len()..(row + 1) * own.len();
+                    let force = force.map(|force| &force[axis][plane * points..][known.clone()]);
                     let (last, velocity) = (&last[known.clone()], &velocity[known]);
                     let of_rows = across(left, plane, row);
                     let nothing = if of_rows == 1.0 { transfer.between_rims(FineBox::<D>::RIM) } else { 0..0 };
+                    force.iter().for_each(|_| own.fill(0.0));
                     for cells in [0..nothing.start, nothing.end..transfer.cells()[D - 1]] {
                         for k in cells.flat_map(|cell| transfer.points_in(D - 1, cell)) {
                             let tau_g = share * (last[k].to_f64() - velocity[k].to_f64());
@@ -279,6 +307,12 @@ where
                             w[k] = R::rounded(w[k].to_f64() - own[k]);
                         }
                     }
+                    let nothing = if let Some(force) = force {
+                        own.iter_mut().zip(force).for_each(|(own, m)| *own += m.to_f64() / c_0);
+                        0..0
+                    } else {
+                        nothing
+                    };
                     transfer.restrict_row(row, own, nothing, of_row, sums);
                 }
             }
@@ -381,7 +415,7 @@ where
     ) -> Result<(), Error> {
         let crossing_rate = self.crossing_rate(present);
         self.coarse.look(step.dt);
-        self.write_source(step.team);
+        self.write_source(step.team, true);
         let scheme = self.fine.solve_in_space(step, flow, present, problem)?;
         self.check_places(step.end, problem, step.stations)?;
         self.take_off(step.team, flow, scheme.c[0], step.dt, crossing_rate);
@@ -400,7 +434,7 @@ where
     }
 }
 
-impl<R: Real, T: Transforms<R, D>, const D: usize> Scheme<R, D> for TwoGrids<R, T, D>
+impl<R: Real, T: Transforms<R, D>, S: CoarseScheme<R, D>, const D: usize> Scheme<R, D> for TwoGrids<R, T, S, D>
 where
     [f64; D]: Space<D>,
 {
@@ -433,19 +467,20 @@ where
         }
     }
 
-    fn place_grid(&mut self, way: Option<[f64; D]>, flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
+    fn place_grids(&mut self, ways: &[[f64; D]], flow: &mut Flow<R, D>, present: &Present<D>, problem: &Problem<D>) {
         let moved = std::array::from_fn::<_, D, _>(|axis| {
-            let left = match way {
+            let left = match ways.first() {
                 Some(way) => self.coarse.cells_left(axis, way[axis]),
                 None => self.cells_left(axis, problem, &present.flexible.stations),
             };
             let [least, most] = self.range[axis];
             (f64::from(self.coarse.link.moved[axis]) + left.round()).clamp(least, most) as i32
         });
-        if moved[..] != self.coarse.link.moved {
+        let others = ways.get(1..).unwrap_or_default();
+        if moved[..] != self.coarse.link.moved || !others.is_empty() {
             let all = problem.grid.cells.map(|cells| 0..cells);
             self.add_coarse_at(&all, -1.0, flow, 0.0);
-            self.coarse.place(&moved);
+            self.coarse.place(&moved, self.way_of_followed(problem, &present.flexible.stations), others);
             self.place_rim();
             self.add_coarse_at(&all, 1.0, flow, 0.0);
         }
@@ -454,6 +489,10 @@ where
     fn way(&self, memory: Option<&Memory<R, D>>) -> [f64; D] {
         let link = if let Some(Memory::TwoGrids(memory)) = memory { &memory.coarse.link } else { &self.coarse.link };
         self.coarse.way(link)
+    }
+
+    fn ways(&self) -> Vec<[f64; D]> {
+        [self.way(None)].into_iter().chain(self.coarse.scheme.ways()).collect()
     }
 
     fn start(
@@ -492,15 +531,8 @@ where
         present: &mut Present<D>,
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
-        if self.coarse.is_behind(step.dt) {
-            self.step_coarse(step, flow, present)?;
-            self.step_fine(step, flow, present, problem).inspect_err(|_| self.coarse.undo())?;
-        } else {
-            self.step_fine(step, flow, present, problem)?;
-        }
-        if self.coarse.is_behind(step.dt) {
-            self.follow(flow, present, problem);
-        }
+        self.step_in_place(step, flow, present, problem)?;
+        self.follow(flow, present, problem);
         Ok(())
     }
 
@@ -525,7 +557,7 @@ where
         if is_ahead {
             self.coarse.undo();
         }
-        self.write_source(team);
+        self.write_source(team, true);
         self.fine.predict_loads(dt, flow, present, problem);
     }
 
@@ -559,10 +591,7 @@ where
         problem: &mut Problem<D>,
         read: &mut DomainReader,
     ) {
-        self.total_pressure(flow, present, problem);
-        let Self { fine, coarse, .. } = self;
-        let pi = fine.source_mut().iter().flatten().next().map_or(&[][..], |pi| pi);
-        coarse.read_in_domain(|own| static_pressure(pi, flow, own), read);
+        self.read_around(&|_| None, flow, present, problem, read);
     }
 
     fn for_each_in_domain<'a>(
@@ -571,22 +600,35 @@ where
         points: Range<usize>,
         mut visit: impl FnMut(&'a Flow<R, D>, usize),
     ) {
-        let coarse = self.coarse.flow();
-        self.coarse.background.transfer.for_each_of(points, |point, own| match own {
+        let Coarse { background: Background { transfer, .. }, scheme, .. } = &self.coarse;
+        scheme.for_each_around(transfer, self.coarse.flow(), points, |around, point, own| match own {
             Some(own) => visit(flow, own),
-            None => visit(coarse, point),
+            None => visit(around, point),
         });
     }
 
+    fn for_each_in_coarse<'a>(
+        &'a self,
+        _: &'a Flow<R, D>,
+        points: Range<usize>,
+        visit: impl FnMut(&'a Flow<R, D>, usize),
+    ) {
+        self.coarse.scheme.for_each_in_domain(self.coarse.flow(), points, visit);
+    }
+
+    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
+        let coarser = self.coarse.scheme.flows(self.coarse.flow());
+        [flow].into_iter().chain(coarser).collect()
+    }
+
     fn of_domain<'a>(&'a self, _: &'a Flow<R, D>) -> &'a Flow<R, D> {
-        self.coarse.flow()
+        self.coarse.scheme.of_domain(self.coarse.flow())
     }
 
     fn over_domain<'a>(&'a self, flow: &'a Flow<R, D>, of: impl Fn(&'a Flow<R, D>) -> &'a Field<R>) -> Cow<'a, [f64]> {
-        let mut field = R::field_to_f64(of(self.coarse.flow())).into_owned();
-        let own = of(flow);
-        let transfer = &self.coarse.background.transfer;
-        transfer.for_each_in_box(|point, fine| field[point] = own[fine].to_f64());
+        let points = of(self.of_domain(flow)).len();
+        let mut field = Vec::with_capacity(points);
+        self.for_each_in_domain(flow, 0..points, |flow, own| field.push(of(flow)[own].to_f64()));
         field.into()
     }
 
@@ -645,12 +687,18 @@ fn smooth_step(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Body, Law, Motion};
+    use crate::parameters::{Body, Law, MiddleBox, Motion};
     use crate::shapes::Polyline;
     use crate::state::{ByPrecision, CoarseState};
 
     #[test]
     fn the_coarse_flow_gains_the_momentum_of_all_that_it_receives() {
+        coarse_flow_gains_what_it_receives(false);
+        coarse_flow_gains_what_it_receives(true);
+    }
+
+    /// The flow of the domain, below one or two boxes.
+    fn coarse_flow_gains_what_it_receives(has_middle: bool) {
         let h = 0.02;
         let mut parameters = Parameters::new([[-3.0, 3.0]; 2], [36; 2], 1.0, 0.02, h);
         let fall = Law::new(|t| (-0.5 * t * t, -t));
@@ -659,13 +707,22 @@ mod tests {
         parameters.bodies = vec![Body { motion: Some(motion), ..plate }];
         let follows = Some(Followed::Rigid(0));
         parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
+        if has_middle {
+            parameters.fine_box = Some(FineBox { first: [14, 11], cells: [12; 2], ratio: 4, follows });
+            parameters.middle_box = Some(MiddleBox { first: [6, 4], cells: [28; 2], ratio: 2 });
+        }
         let mut fluid = crate::Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
         let mut checked = 0;
         for step in 0..60 {
             fluid.advance(h * f64::from(step), h).unwrap_or_else(|e| panic!("{e}"));
             let ByPrecision::Double(fields) = fluid.solver.fields() else { panic!("another precision") };
             let Memory::TwoGrids(memory) = fields.memory else { panic!("another scheme") };
-            let CoarseState { flow, memory: TwoStep { before, earlier, step_before, .. }, link } = memory.coarse;
+            let mut coarse = memory.coarse;
+            while let Memory::TwoGrids(memory) = coarse.memory {
+                coarse = memory.coarse;
+            }
+            let CoarseState { flow, memory: Memory::Sbdf2(memory), link } = coarse else { panic!("another scheme") };
+            let TwoStep { before, earlier, step_before, .. } = memory;
             if link.length != link.step || step_before != link.step {
                 continue;
             }

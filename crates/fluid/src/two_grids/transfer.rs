@@ -305,12 +305,6 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
-    /// Call `visit` with each coarse point in the fine box, and the fine one at its place.
-    pub fn for_each_in_box(&self, mut visit: impl FnMut(usize, usize)) {
-        let points = self.coarse.iter().product();
-        self.for_each_of(0..points, |point, own| own.into_iter().for_each(|own| visit(point, own)));
-    }
-
     /// Return the interpolated values of a fine plane across x.
     pub fn interpolate<'a>(&self, coefficients: &[f64], plane: usize, rows: &'a mut Rows) -> &'a [f64] {
         run(Interpolation { transfer: self, coefficients, plane, rows: &mut *rows });
@@ -629,7 +623,7 @@ mod tests {
             [(&moved, &values), (&made, &given)].map(|(of, values)| restricted(of, coarse.len(), values));
         let largest = found.iter().zip(&expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!(largest < 1e-13, "{largest}");
-        moved.for_each_in_box(|point, own| assert!(on_moved[own].is_finite() && point < coarse.len()));
+        moved.for_each_of(0..coarse.len(), |_, own| assert!(own.is_none_or(|own| on_moved[own].is_finite())));
         // Coefficients move with the box, and keep their sum.
         let (mut list, before) = (numbers(moved.len()), numbers(moved.len()).iter().sum::<f64>());
         for (axis, forwards) in [(0, true), (D - 1, false)] {

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::{
-    Body, Error, Extent, FineBox, Flexible, Fluid, Followed, Law, Motion, Mount, Outline, Parameters, Precision, Solid,
-    Solvable, Support, Triangulation, Zone,
+    Body, Error, Extent, FineBox, Flexible, Fluid, Followed, Law, MiddleBox, Motion, Mount, Outline, Parameters,
+    Precision, Solid, Solvable, Support, Triangulation, Zone,
 };
 
 fn new<const D: usize>(parameters: &Parameters<D>) -> Fluid<D>
@@ -43,6 +43,17 @@ fn cylinder(reynolds: f64, cells: usize, ratio: Option<usize>, h: f64) -> Parame
     parameters
 }
 
+/// The same on 16 fine cells, with middle cells of twice their length around a smaller fine box.
+fn on_three_grids(parameters: &Parameters) -> Parameters {
+    let (Some(fine), [[x, _], [y, _]]) = (parameters.fine_box, parameters.domain) else { panic!("no fine box") };
+    // The body is at 0, and large cells are a quarter of it.
+    let first = |distance: f64| [x, y].map(|low| (4.0 * (-distance - low)).round() as usize);
+    let mut parameters = parameters.clone();
+    parameters.fine_box = Some(FineBox { first: first(1.5), cells: [12; 2], ratio: 4, ..fine });
+    parameters.middle_box = Some(MiddleBox { first: first(3.25), cells: [26; 2], ratio: 2 });
+    parameters
+}
+
 /// Return the drag of the cylinder after each step.
 fn drags(parameters: &Parameters, steps: usize, h: f64) -> Vec<f64> {
     let mut fluid = new(parameters);
@@ -72,6 +83,22 @@ fn drag_on_two_grids_is_that_on_one() {
         let largest = two[160..].windows(3).map(|d| (d[2] - 2.0 * d[1] + d[0]).abs()).fold(0.0, f64::max);
         assert!(largest < 5e-4 * mean(&two[160..]), "ratio {ratio}: a jump of {largest}");
     }
+}
+
+#[test]
+fn drag_on_three_grids_is_that_on_one() {
+    let (h, steps) = (0.0125, 320);
+    let two = cylinder(40.0, 16, Some(4), h);
+    let three = on_three_grids(&two);
+    let [one, two, three] = [&cylinder(40.0, 16, None, h), &two, &three].map(|own| drags(own, steps, h));
+    for late in [160..240, 240..320] {
+        let [expected, two, three] = [&one, &two, &three].map(|drags| mean(&drags[late.clone()]));
+        let [beside, error] = [two, three].map(|found| found / expected - 1.0);
+        assert!(error.abs() < 0.002, "steps {late:?}: {three} beside {expected}, {error:+.4}");
+        assert!(error.abs() < beside.abs(), "steps {late:?}: {error:+.4}, on two grids {beside:+.4}");
+    }
+    let largest = three[160..].windows(3).map(|d| (d[2] - 2.0 * d[1] + d[0]).abs()).fold(0.0, f64::max);
+    assert!(largest < 2e-4 * mean(&three[160..]), "a jump of {largest}");
 }
 
 #[test]
@@ -125,8 +152,9 @@ fn a_light_cylinder_on_springs_moves_as_on_one_grid() {
 }
 
 /// Return the velocity at a time of a vortex that a stream of 1 m/s carries, with steps of `h`.
-fn vortex(h: f64) -> Vec<f64> {
-    let mut parameters = cylinder(50.0, 8, Some(2), h);
+fn vortex(h: f64, is_on_three: bool) -> Vec<f64> {
+    let mut parameters =
+        if is_on_three { on_three_grids(&cylinder(50.0, 16, Some(4), h)) } else { cylinder(50.0, 8, Some(2), h) };
     (parameters.bodies, parameters.sponge, parameters.max_cfl) = (vec![], None, 0.9);
     let mut fluid = new(&parameters);
     fluid.set_velocity(|[x, y]| {
@@ -139,11 +167,14 @@ fn vortex(h: f64) -> Vec<f64> {
 }
 
 #[test]
-fn two_grids_have_the_second_order_in_time() {
-    let [coarse, middle, fine] = [0.02, 0.01, 0.005].map(vortex);
-    let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-    let (first, second) = (difference(&coarse, &middle), difference(&middle, &fine));
-    assert!(first / second > 3.6, "{first:.3e} and {second:.3e}: a quotient of {:.2}", first / second);
+fn two_and_three_grids_have_the_second_order_in_time() {
+    for is_on_three in [false, true] {
+        let [coarse, middle, fine] = [0.02, 0.01, 0.005].map(|h| vortex(h, is_on_three));
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let (first, second) = (difference(&coarse, &middle), difference(&middle, &fine));
+        let quotient = first / second;
+        assert!(quotient > 3.6, "three: {is_on_three}, {first:.3e} and {second:.3e}: a quotient of {quotient:.2}");
+    }
 }
 
 #[test]
@@ -158,10 +189,12 @@ fn a_uniform_stream_stays_one() {
 
 #[test]
 fn a_state_is_continued_with_the_same_bits() {
-    for (precision, threads) in [(Precision::Double, 1), (Precision::Single, 2)] {
-        let h = 0.0125;
-        // Its box moves in the first part and in the second.
-        let mut parameters = driven(16, 4, h);
+    let h = 0.0125;
+    // Its box moves in the first part and in the second.
+    let two = driven(16, 4, h);
+    let all =
+        [(Precision::Double, 1), (Precision::Single, 2)].map(|how| [(how, two.clone()), (how, on_three_grids(&two))]);
+    for ((precision, threads), mut parameters) in all.into_iter().flatten() {
         (parameters.precision, parameters.threads) = (precision, threads);
         let [mut fluid, mut other] = [(); 2].map(|()| new(&parameters));
         // In the middle of a coarse step.
@@ -183,8 +216,16 @@ fn a_state_is_continued_with_the_same_bits() {
 #[test]
 fn a_refused_step_changes_nothing() {
     let h = 1e-2;
+    let two = cylinder(40.0, 16, Some(4), h);
+    for parameters in [cylinder(40.0, 8, Some(2), h), on_three_grids(&two)] {
+        refused_step_changes_nothing(&parameters);
+    }
+}
+
+fn refused_step_changes_nothing(parameters: &Parameters) {
+    let h = parameters.communication_step;
     let with_jump = |speed: f64| {
-        let mut parameters = cylinder(40.0, 8, Some(2), h);
+        let mut parameters = parameters.clone();
         let law = Law::new(move |t| (0.0, if t < 4.5 * h { 0.0 } else { speed }));
         let motion = Motion::laws([Law::constant(0.0), law], 1.0, Law::constant(0.0));
         parameters.bodies[0].motion = Some(motion);
@@ -208,14 +249,19 @@ fn a_refused_step_changes_nothing() {
 
 #[test]
 fn steps_and_probes_allocate_nothing() {
-    let h = 0.0125;
-    let mut parameters = driven(16, 4, h);
+    let parameters = driven(16, 4, 0.0125);
+    steps_allocate_nothing(on_three_grids(&parameters));
+    steps_allocate_nothing(parameters);
+}
+
+fn steps_allocate_nothing(mut parameters: Parameters) {
+    let h = parameters.communication_step;
     // In the box and outside.
-    parameters.probes = vec![[-1.0, 0.5], [6.0, 0.0]];
+    parameters.probes = vec![[-1.0, 0.5], [2.0, 0.0], [6.0, 0.0]];
     let mut fluid = new(&parameters);
     let step = |fluid: &mut Fluid| {
         advance(fluid, 1, h);
-        (0..2).map(|probe| fluid.probe_velocity(probe)[0] + fluid.probe_pressure(probe)).sum::<f64>()
+        (0..3).map(|probe| fluid.probe_velocity(probe)[0] + fluid.probe_pressure(probe)).sum::<f64>()
     };
     let first = (0..9).map(|_| step(&mut fluid)).sum::<f64>();
     let low = fluid.grid_of_bodies().point(0);
@@ -227,7 +273,11 @@ fn steps_and_probes_allocate_nothing() {
 #[test]
 fn pressure_on_two_grids_is_that_on_one() {
     let h = 0.0125;
-    let [mut one, mut two] = [None, Some(2)].map(|ratio| new(&cylinder(40.0, 12, ratio, h)));
+    pressure_is_that_on_one(&cylinder(40.0, 12, Some(2), h), &cylinder(40.0, 12, None, h));
+}
+
+fn pressure_is_that_on_one(own: &Parameters, of_one: &Parameters) {
+    let (h, [mut one, mut two]) = (own.communication_step, [of_one, own].map(new));
     advance(&mut one, 200, h);
     advance(&mut two, 200, h);
     let ([fine, coarse], [of_one, of_two]) = ([*one.grid(), *two.grid()], [&mut one, &mut two].map(Fluid::pressure));
@@ -261,6 +311,40 @@ fn a_fine_box_that_cannot_be_is_refused_in_words() {
             "m, into the inflow",
         ),
         (message(&|of| of.scheme = scene::TimeScheme::Rk2), "the fine box needs the scheme sbdf2"),
+    ] {
+        assert!(found.contains(expected), "{found:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn a_middle_box_that_cannot_be_is_refused_in_words() {
+    let message = |change: &dyn Fn(&mut Parameters)| {
+        let mut parameters = on_three_grids(&cylinder(40.0, 16, Some(4), 0.01));
+        change(&mut parameters);
+        Fluid::new(&parameters).err().map_or(String::new(), |error| error.to_string())
+    };
+    let middle =
+        |change: &dyn Fn(&mut MiddleBox)| message(&|parameters| parameters.middle_box.iter_mut().for_each(change));
+    for (found, expected) in [
+        (message(&|of| of.fine_box = None), "the middle box has no fine box in it"),
+        (
+            middle(&|middle| middle.ratio = 3),
+            "has cells 3 times as fine, of which the 4 of the fine box are no multiple",
+        ),
+        (
+            middle(&|middle| middle.ratio = 4),
+            "has cells 4 times as fine, of which the 4 of the fine box are no multiple",
+        ),
+        (middle(&|middle| middle.first[0] = 6), "the middle box must reach 5 coarse cells beyond the fine box along x"),
+        (
+            middle(&|middle| middle.first[1] = 20),
+            "the middle box reaches along y from 1.000000e0 to 7.500000e0 m, out of",
+        ),
+        (message(&|of| of.walls[1] = Some([-2.0, 3.0])), "m, through the walls at -2.000000e0 and 3.000000e0 m"),
+        (
+            message(&|of| of.fine_box.iter_mut().for_each(|fine| fine.cells[0] = 7)),
+            "the fine box has 14 coarse cells along x, but it needs 16",
+        ),
     ] {
         assert!(found.contains(expected), "{found:?} is not {expected:?}");
     }
@@ -307,8 +391,9 @@ fn driven(cells: usize, ratio: usize, h: f64) -> Parameters {
 #[test]
 fn a_box_that_moves_leaves_no_mark_in_the_force() {
     let h = 0.01;
-    for (cells, ratio, tolerance) in [(12, 2, 2e-4), (16, 4, 5e-4)] {
-        let parameters = driven(cells, ratio, h);
+    let two = driven(16, 4, h);
+    // The fine box in a middle one is half as long.
+    for (parameters, tolerance) in [(driven(12, 2, h), 2e-4), (on_three_grids(&two), 1e-3), (two, 5e-4)] {
         let mut resting = parameters.clone();
         resting.fine_box.iter_mut().for_each(|fine| fine.follows = None);
         let [mut fluid, mut other] = [&parameters, &resting].map(new);
@@ -332,7 +417,8 @@ fn a_box_that_moves_leaves_no_mark_in_the_force() {
             }
             fluid.restore(&ahead).unwrap_or_else(|e| panic!("{e}"));
         }
-        assert!(moves > 4 && largest < tolerance, "ratio {ratio}: {moves} moves, a mark of {largest:.2e} of the drag");
+        let grids = (parameters.fine_box, parameters.middle_box);
+        assert!(moves > 4 && largest < tolerance, "{grids:?}: {moves} moves, a mark of {largest:.2e} of the drag");
     }
 }
 
@@ -589,8 +675,10 @@ fn a_box_follows_bodies_of_every_kind() {
 #[test]
 fn a_box_that_follows_ends_at_walls_and_zones() {
     let h = 0.0125;
-    for wall in [false, true] {
-        let mut parameters = driven(12, 2, h);
+    let (two, three) = (driven(12, 2, h), on_three_grids(&driven(16, 4, h)));
+    for (wall, mut parameters) in
+        [false, true].into_iter().flat_map(|wall| [(wall, two.clone()), (wall, three.clone())])
+    {
         if wall {
             parameters.walls[0] = Some([-5.6, 5.0]);
         } else {
@@ -598,12 +686,15 @@ fn a_box_that_follows_ends_at_walls_and_zones() {
             parameters.sponge = Some(Zone { x: [6.4, 7.4], parabolic: false, mean_velocity, c_eta: 0.3 });
         }
         parameters.domain[0] = [-6.0, 8.0];
-        parameters.cells[0] = 84;
-        parameters.fine_box.iter_mut().for_each(|fine| fine.first[0] = 6 * 3);
+        let (cells, has_middle) = (parameters.cells[0] / 6, parameters.middle_box.is_some());
+        parameters.cells[0] = 7 * cells;
+        parameters.fine_box.iter_mut().for_each(|fine| fine.first[0] += cells);
+        parameters.middle_box.iter_mut().for_each(|middle| middle.first[0] += cells);
         let mut fluid = new(&parameters);
         let refused = (0..500).find_map(|step| fluid.advance(h * f64::from(step), h).err());
         let low = fluid.grid_of_bodies().point(0)[0];
-        let expected = if wall { -5.5 } else { 7.5 - 14.0 };
+        // A fine box in a middle one keeps five large cells from its end.
+        let expected = if wall { -5.5 } else { 7.5 - 14.0 } + if has_middle { 1.25 } else { 0.0 };
         assert!((low - expected).abs() < 1e-9, "it ends at {low} m: {refused:?}");
         assert!(matches!(refused, Some(Error::Rim { .. })), "{refused:?}");
     }
@@ -611,8 +702,12 @@ fn a_box_that_follows_ends_at_walls_and_zones() {
 
 #[test]
 fn a_probe_reads_the_flow_in_the_box_and_outside() {
-    let h = 0.0125;
-    let mut parameters = driven(12, 2, h);
+    probe_reads_the_flow(driven(12, 2, 0.0125));
+    probe_reads_the_flow(on_three_grids(&driven(16, 4, 0.0125)));
+}
+
+fn probe_reads_the_flow(mut parameters: Parameters) {
+    let h = parameters.communication_step;
     // Behind, within the box before it has moved; ahead, and there in another period of the domain.
     parameters.probes = vec![[2.5, 0.5], [-3.5, 0.5], [8.5, 0.5]];
     let mut fluid = new(&parameters);
@@ -629,13 +724,13 @@ fn a_probe_reads_the_flow_in_the_box_and_outside() {
             }
         }
     }
-    let low = fluid.grid_of_bodies().point(0)[0];
-    assert!((-4.1..-3.5).contains(&low), "the box begins at {low} m");
+    let (low, home) = (fluid.grid_of_bodies().point(0), if parameters.middle_box.is_some() { -1.5 } else { -3.0 });
+    assert!((home - 1.1..home - 0.5).contains(&low[0]), "the box begins at {low:?} m");
     // Fields of the box are those of the domain where both have a point.
     let (fine, own) =
         ([fluid.fine_velocity(0), fluid.fine_vorticity(0), fluid.fine_pressure()], fluid.grid_of_bodies());
     let large = [fluid.velocity(0).into_owned(), fluid.vorticity(0).into_owned(), fluid.pressure()];
-    for [x, y] in [[-1.0, 1.0], [-3.5, -2.0], [1.5, 2.5]] {
+    for [x, y] in [[-1.0, 1.0], [-2.0, -0.5], [0.0, 1.5]] {
         let index = |grid: &nervure_fluid::Grid| {
             let along = |axis: usize, at: f64| ((at - grid.point(0)[axis]) / grid.spacing[axis]).round() as usize;
             along(0, x) * grid.cells[1] + along(1, y)
@@ -650,9 +745,16 @@ fn a_probe_reads_the_flow_in_the_box_and_outside() {
 #[test]
 fn another_fluid_continues_the_flow_on_both_grids() {
     let h = 0.0125;
-    let parameters = driven(12, 2, h);
-    let [mut fluid, mut other] = [(); 2].map(|()| new(&parameters));
-    advance(&mut fluid, 90, h);
+    for parameters in [driven(12, 2, h), on_three_grids(&driven(16, 4, h))] {
+        another_fluid_continues(&parameters);
+    }
+}
+
+fn another_fluid_continues(parameters: &Parameters) {
+    let h = parameters.communication_step;
+    let [mut fluid, mut other] = [(); 2].map(|()| new(parameters));
+    // The coarse flows are not ahead.
+    advance(&mut fluid, 92, h);
     other.continue_from(&fluid).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(other.grid_of_bodies().point(0), fluid.grid_of_bodies().point(0));
     let differences = |a: &Fluid, b: &Fluid| {
