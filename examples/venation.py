@@ -14,8 +14,12 @@ import textwrap
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.path import Path
 from matplotlib.tri import Triangulation
+
+Array = npt.NDArray[np.float64]
+Place = str | tuple[float, float]
 
 LENGTH, EDGE = 2.4e-3, 0.045  # Length of the wing, m; edge of a triangle by it
 # By the length, from the hinge towards the tip and forwards. Letters name places where veins meet.
@@ -25,10 +29,20 @@ PLACES = {
     "f2": (0.17, 0.02), "f5": (0.15, -0.045), "a3": (0.43, 0.035), "a4": (0.43, -0.062),
     "p4": (0.64, -0.085), "p5": (0.56, -0.2),
 }  # fmt: skip
-COSTA = ["hc", (0.15, 0.11), (0.3, 0.162), "e1", (0.62, 0.18), "e2", (0.93, 0.063), "e3", "e4"]
-MARGIN = ["e4", (0.93, -0.16), (0.84, -0.225), "e5", (0.55, -0.305), (0.38, -0.285), (0.22, -0.215), (0.1, -0.14), "ha"]
-ROOT = ["hc", "h1", "h3", "h4", "ha"]
-VEINS = {
+COSTA: list[Place] = ["hc", (0.15, 0.11), (0.3, 0.162), "e1", (0.62, 0.18), "e2", (0.93, 0.063), "e3", "e4"]
+MARGIN: list[Place] = [
+    "e4",
+    (0.93, -0.16),
+    (0.84, -0.225),
+    "e5",
+    (0.55, -0.305),
+    (0.38, -0.285),
+    (0.22, -0.215),
+    (0.1, -0.14),
+    "ha",
+]
+ROOT: list[Place] = ["hc", "h1", "h3", "h4", "ha"]
+VEINS: dict[str, list[Place]] = {
     "costa": COSTA,
     "L3": ["h3", "f2", (0.3, 0.033), "a3", (0.7, 0.02), "e3"],
     "L4": ["h4", "f5", (0.3, -0.055), "a4", "p4", (0.82, -0.078), "e4"],
@@ -40,7 +54,7 @@ VEINS = {
 }
 
 
-def curve(points):
+def curve(points: list[Place]) -> list[Array]:
     """Return a smooth curve through `points`, (pieces, 2) between named places, by splines of Catmull and Rom."""
     x = np.array([PLACES[p] if isinstance(p, str) else p for p in points])
     ends = np.vstack([2 * x[0] - x[1], x, 2 * x[-1] - x[-2]])
@@ -55,30 +69,31 @@ def curve(points):
     return pieces
 
 
-def resampled(piece):
+def resampled(piece: Array) -> Array:
     """Return places along a piece with distances of about EDGE."""
     s = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(piece, axis=0).T))])
     at = np.linspace(0, s[-1], max(round(s[-1] / EDGE), 1) + 1)
     return np.column_stack([np.interp(at, s, axis) for axis in piece.T])
 
 
-def main():
-    nodes = []
+def main() -> None:
+    named: list[Array] = []
 
-    def number(place):
-        for k, node in enumerate(nodes):
+    def number(place: Array) -> int:
+        for k, node in enumerate(named):
             if np.hypot(*(place - node)) < 1e-6:
                 return k
-        nodes.append(place)
-        return len(nodes) - 1
+        named.append(place)
+        return len(named) - 1
 
-    def chain(points):
+    def chain(points: list[Place]) -> list[int]:
         found = [number(place) for piece in curve(points) for place in resampled(piece)]
         return [k for k, before in zip(found, [-1, *found], strict=False) if k != before]
 
     chains = {name: chain(points) for name, points in (VEINS | {"root": ROOT, "margin": MARGIN}).items()}
     rim = [*chains["costa"], *chains["margin"][1:], *chains["root"][-2:0:-1]]
-    outline, lines = Path(np.array(nodes)[rim]), np.array(nodes)
+    lines = np.array(named)
+    outline = Path(lines[rim])
     # Rows of equilateral triangles inside, away from the veins.
     x, y = np.meshgrid(np.arange(0, 1, EDGE), np.arange(-0.35, 0.25, EDGE * 0.75**0.5))
     x[1::2] += EDGE / 2

@@ -61,8 +61,8 @@ def hanging(libraries, tmp_path_factory):
 
 
 def test_a_filament_comes_to_the_angle_at_which_drag_and_weight_balance(hanging):
-    """By the law of an experiment, at 66.7 degrees. A cell has 1 mm; a cylinder as thick as the line, of 1.7 mm, comes to
-    43 degrees."""
+    """By the law of an experiment, at 66.7 degrees. A cell has 1 mm; a cylinder as thick as the line, of 1.7 mm, comes
+    to 43 degrees."""
     series = hanging.series
     angle = np.degrees(np.arctan2(0.02 - series["tip_uy"], series["tip_ux"]))
     assert angle[20] > 75 and 62 < angle[-1] < 72 and abs(angle[-1] - angle[-10]) < 4, angle[::10]

@@ -15,6 +15,7 @@ from nervure.library import check
 from nervure.output.forecast import is_fast
 from nervure.scene import Scene, text
 from nervure.scene.solids import box_ends
+from nervure.scene.types import FineBox, MiddleBox
 from nervure.simulation.verified import free_axes, is_part, sizes, triangles_along
 
 ROOT2 = math.sqrt(2)
@@ -127,7 +128,10 @@ def work(scene: Scene) -> float:
         steps *= max(1.0, scene.time.communication_step / fluid.time_stepping.max_step)
         cells = float(math.prod(fluid.box.cells))
         large = cells
-        for own in filter(None, (fluid.fine_box, fluid.middle_box)):
+        smaller: tuple[FineBox | MiddleBox | None, ...] = (fluid.fine_box, fluid.middle_box)
+        for own in smaller:
+            if own is None:
+                continue
             ends = [end for end in (own.x, own.y, own.z) if end]
             parts = ((b - a) / (d - c) for (a, b), (c, d) in zip(ends, box_ends(fluid), strict=True))
             cells += math.prod(parts) * large * own.ratio ** len(fluid.box.cells)
