@@ -22,7 +22,7 @@ fn a_wing_leaves_out_the_mass_of_the_layer_that_the_fluid_moves_with_it() {
         );
         let scene = Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"));
         let wing = scene.wing.as_ref().expect("it has one");
-        let found = from_scene::parameters(wing, scene.fluid.as_ref()).displaced_density;
+        let found = from_scene::parameters(&scene, wing).displaced_density;
         let expected = 3.0 * SURFACE_THICKNESS_CELLS * 2.0 / 16.0;
         assert!((found - expected).abs() < 1e-12, "{cells:?}: {found} kg/m² in place of {expected}");
     }

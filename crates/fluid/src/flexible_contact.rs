@@ -216,7 +216,7 @@ fn answer(law: &Law, [gap, rate]: [f64; 2], dt: f64, size: f64) -> Option<(f64, 
     let expected = (gap + dt * rate).max(-DEEPEST * law.depth);
     let found = law.response(expected, Some(Before { gap: gap.max(-DEEPEST * law.depth), dt }));
     let is_far = found.force == 0.0 && found.stiffness == 0.0;
-    (!is_far).then(|| (size * found.force, RATE * size * dt * found.stiffness))
+    (!is_far).then_some((size * found.force, RATE * size * dt * found.stiffness))
 }
 
 /// Add half of the contact of the points of one part with the image of another part by `shift` (m) in a step of `dt`
