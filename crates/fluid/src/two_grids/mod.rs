@@ -708,7 +708,7 @@ mod tests {
         let follows = Some(Followed::Rigid(0));
         parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
         if has_middle {
-            parameters.fine_box = Some(FineBox { first: [14, 11], cells: [12; 2], ratio: 4, follows });
+            parameters.fine_box = Some(FineBox { first: [14, 12], cells: [12; 2], ratio: 4, follows });
             parameters.middle_box = Some(MiddleBox { first: [6, 4], cells: [28; 2], ratio: 2 });
         }
         let mut fluid = crate::Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
