@@ -57,10 +57,10 @@ def test_a_plate_across_a_stream_has_the_published_drag(tmp_path):
 
 
 def test_a_rod_hangs_in_a_stream_at_the_angle_of_its_drag_and_weight(tmp_path):
-    """On cells twice as large the line is a cylinder of twice the rod's diameter, for which the law of the experiment
-    says 56.3 degrees: here 1.2 less."""
+    """On cells twice as large the rod slips, and hangs 0.6 degrees above the law of the experiment; a cylinder of two
+    cells would hang at 56.3."""
     series, summary = run(tmp_path, on_grid(space.HANGING, [80, 80, 24], 8e-5, 0.04))
-    assert space.angle(series, 0.025) == pytest.approx(space.law(1.1, 8e-4), abs=2.0)
+    assert space.angle(series, 0.025) == pytest.approx(space.law(1.1, 4e-4), abs=2.0)
     assert space.law(1.1, 4e-4) == pytest.approx(66.6, abs=0.1), "the published angle of the rod itself"
     assert abs(series["tip_uz"]).max() < 1e-4 and summary["completed"]
     assert series["beam_work"][-1] == pytest.approx(series["load_work"][-1], rel=0.03)

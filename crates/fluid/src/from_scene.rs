@@ -107,8 +107,6 @@ where
         max_step: time.max_step,
         max_cfl: scene.largest_cfl(fluid),
         loads: scene.load().is_none_or(|load| load == Load::Momentum),
-        // The rods of the scene take its load; a beam without one may be moved by a rod with another.
-        divides_loads: D == 2 && scene.load().is_none(),
         pressure_around: scene.axial_pressure_strain(),
         ..Parameters::new(domain, components(&fluid.r#box.cells), fluid.density, fluid.kinematic_viscosity, step)
     }

@@ -83,9 +83,6 @@ where
     pub communication_step: f64,
     /// Whether loads on the nodes of flexible bodies are predicted for the coming step.
     pub loads: bool,
-    /// Whether a communication step may have several steps although the loads hold for one, as a rod in the plane may
-    /// take the pressure jump in place of them.
-    pub divides_loads: bool,
     /// Whether the pressure around beams with a mask is an output; it needs an inflow.
     pub pressure_around: bool,
 }
@@ -364,7 +361,6 @@ where
             max_cfl: 0.4,
             communication_step,
             loads: true,
-            divides_loads: D == 2,
             pressure_around: false,
         }
     }
