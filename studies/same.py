@@ -39,8 +39,8 @@ for record in catalogue.load().records.values():
 
 
 def first_steps(case: Case, checkout: Path) -> bytes:
-    """Return outputs over the first steps, by the libraries in `checkout`, and the error that ended them. The step after
-    them, the last one, has a length that may differ by rounding, and is left out."""
+    """Return outputs over the first steps, by the libraries in `checkout`, and the error that ended them. The step
+    after them, the last one, has a length that may differ by rounding, and is left out."""
     os.environ["NERVURE_LIBRARIES"] = str(checkout / "target" / "release")
     scene = case.built()
     step = scene["time"]["communication_step"]
@@ -48,7 +48,8 @@ def first_steps(case: Case, checkout: Path) -> bytes:
     try:
         with simulate.session(scene, rigid=case.options.get("rigid", False)) as session:
             error = session.run().error
-            return b"".join(values[:-1].tobytes() for values in session.recorder.series.values()) + (error or "").encode()
+            outputs = session.recorder.series.values()
+            return b"".join(values[:-1].tobytes() for values in outputs) + (error or "").encode()
     except InputError as error:
         return str(error).encode()
 

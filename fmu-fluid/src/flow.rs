@@ -141,10 +141,7 @@ where
     pub fn outlives_loads(&self, h: f64) -> bool {
         let solver = self.solver();
         let moves = |own: &Stations<D>| own.velocity.iter().flatten().any(|velocity| *velocity != 0.0);
-        D == 2
-            && solver.announces()
-            && h > solver.longest_step() * (1.0 + 1e-9)
-            && self.stations.iter().any(moves)
+        D == 2 && solver.announces() && h > solver.longest_step() * (1.0 + 1e-9) && self.stations.iter().any(moves)
     }
 
     /// Give the solver the displacements of the bodies that the master moves, and of the fine box.

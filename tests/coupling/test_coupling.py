@@ -8,7 +8,6 @@ import pytest
 from nervure import coupling
 from nervure.coupling.acceleration import WINDOWS_REUSED
 from nervure.coupling.guards import Limits
-from nervure.errors import UnitError
 from nervure.scene import load as load_scene, read
 from nervure.scene.types import Coupling, Guards
 from nervure.simulation.loop import TimeGrid
