@@ -128,7 +128,7 @@ def main() -> None:
         "$schema": "../modelDescription/scene.schema.json",
         "format": 2,
         "name": "wing-venation",
-        "description": "A fly's wing with curved, branched veins beats in vacuum; its stiffness is an estimate.",
+        "description": "A fly's wing with curved and branched veins beats in vacuum; its stiffness is an estimate.",
         "time": {"end": 0.005, "communication_step": 1e-5},
         "wing": {
             "mesh": {
