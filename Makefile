@@ -15,7 +15,7 @@ NERVURE := $(VENV)/bin/nervure
 TYPES := python/nervure/scene/types.py
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
-.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test rust-lint lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -53,24 +53,25 @@ run: ## run SCENE=scenes/NAME.json; more options in ARGS="--end-time 1 --set key
 units: $(READY) ## pack the FMUs of SCENE=scenes/NAME.json into results/NAME
 	$(NERVURE) build $(SCENE)
 
-build: ## build the libraries of both units
+build: ## build the libraries of the units
 	cargo build --release --locked
 
-test: ## run everything that has to pass: the tools of Python beside cargo, then pytest
-	$(MAKE) lint bindings-check & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
+test: ## run everything that has to pass: the checks of style beside the build and the tests in Rust, then pytest
+	$(MAKE) lint bindings-check rust-lint & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
 	$(MAKE) python-test
 
-# In the release profile, so that tests share what the build made; in groups of equal features, so that they share all.
-WING := nervure-mesh nervure-wing nervure-fmu-wing
+# In the release profile, with the tool apart, so that all shares what the build made, features and all.
 TOOL := nervure-cargo-fmu
 RUST_TEST := cargo test --release --locked
 
-rust-test:
-	cargo fmt --all --check
-	cargo clippy --release --workspace --all-targets --locked -- -D warnings
-	$(RUST_TEST) --workspace $(addprefix --exclude ,$(WING) $(TOOL))
-	$(RUST_TEST) $(addprefix -p ,$(WING))
+rust-test: ## run the tests in Rust
+	$(RUST_TEST) --workspace --exclude $(TOOL)
 	$(RUST_TEST) -p $(TOOL)
+
+# Not in the release profile: so it need not wait for the build.
+rust-lint: ## check style and types of the code in Rust
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
 
 studies-lint: ## check the Rust code of the studies
 	cargo clippy $(RUST_STUDIES) --bins --examples -- -D warnings

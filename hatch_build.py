@@ -72,8 +72,7 @@ def _write_types(root: Path) -> None:
 
 def _built(root: Path) -> dict[Path, str]:
     """Build the libraries for this system and return their places in the package."""
-    packages = [f"--package=nervure-fmu-{kind}" for kind in NAMES["KINDS"]]
-    subprocess.run(["cargo", "build", "--release", "--locked", *packages], cwd=root, check=True)
+    subprocess.run(["cargo", "build", "--release", "--locked"], cwd=root, check=True)
     built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
     files = [f"{NAMES['PREFIX']}fmu_{kind}{NAMES['SUFFIX']}" for kind in NAMES["KINDS"]]
     return {built / file: f"binaries/{NAMES['PLATFORM']}/{file}" for file in files}

@@ -94,26 +94,9 @@ TWO_RODS = {
 
 @pytest.fixture(scope="session")
 def libraries():
-    """Both libraries, built from the sources as they are; those in `NERVURE_LIBRARIES` are taken as they are."""
+    """The libraries, built from the sources as they are; those in `NERVURE_LIBRARIES` are taken as they are."""
     if "NERVURE_LIBRARIES" not in os.environ:
         subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=ROOT, check=True)
-
-
-@pytest.fixture(scope="session")
-def wing_library(libraries):
-    """The library of a wing, which is built where a scene needs it."""
-    if "NERVURE_LIBRARIES" not in os.environ:
-        command = ["cargo", "build", "--quiet", "--release", "--locked", "--package", "nervure-fmu-wing"]
-        subprocess.run(command, cwd=ROOT, check=True)
-
-
-@pytest.fixture(scope="session")
-def body_library(wing_library):
-    """The library of a free body, which is built where a scene needs it."""
-    if "NERVURE_LIBRARIES" not in os.environ:
-        # With rod and fluid, so that crates that they share have the features with which they are built already.
-        packages = [f"--package=nervure-fmu-{kind}" for kind in ("rod", "fluid", "body")]
-        subprocess.run(["cargo", "build", "--quiet", "--release", "--locked", *packages], cwd=ROOT, check=True)
 
 
 @pytest.fixture

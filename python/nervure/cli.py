@@ -215,11 +215,11 @@ def build(
     from nervure import library
     from nervure.scene import load
     from nervure.units import package
-    from nervure.units.describe import describe_all, unit_kinds
+    from nervure.units.describe import describe_all
 
     scene = load(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
-        library.build(*sorted({"rod", *unit_kinds(scene).values()}))  # The rod's checks scenes
+        library.build()
     for unit in describe_all(scene, fmi).values():
         if descriptions:
             path = descriptions / f"fmu_{unit.unit}.xml"

@@ -33,6 +33,15 @@ def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     write_together(path.parent, {path.name: writer})
 
 
+def unwritable(folder: Path, error: OSError) -> InputError:
+    """Return what to say where `error` stops the writing of results into `folder`, whichever file it is about."""
+    if error.filename is not None:
+        path, place = Path(os.fsdecode(error.filename)).resolve(), folder.resolve()
+        if path not in place.parents and not path.is_relative_to(place):
+            return InputError(f"cannot use {error.filename}: {error.strerror}")
+    return InputError(f"cannot write into the result folder {folder}: {error.strerror or error}")
+
+
 @contextmanager
 def undone_on_error(folder: Path) -> Iterator[Callable[[], None]]:
     """Remove the new files in `folder`, and the folders that did not exist, where an error leaves the block before the
@@ -66,7 +75,7 @@ def claimed(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         lock = _locked(folder / LOCK)
     except OSError as error:
-        raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
+        raise unwritable(folder, error) from error
     if lock is None:
         raise InputError(f"another run is writing into {folder}: wait for its end, or give another --output")
     try:

@@ -19,7 +19,7 @@ from typing import Any
 from nervure.errors import Fault, InputError, SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "build", "check", "describe", "facts", "is_built", "library", "monitor"]
+__all__ = ["KINDS", "SUFFIX", "build", "check", "describe", "facts", "library", "monitor"]
 
 BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
 """Types of the arguments by which a function writes a text: buffer, capacity, and size of the text."""
@@ -30,8 +30,8 @@ def library(kind: str) -> Path:
     tree, where cargo builds it if it is missing."""
     path = _path(kind)
     if SOURCE and not path.is_file() and not os.environ.get("NERVURE_LIBRARIES"):
-        print(f"building the library of the {kind}, once, which takes a minute or two", file=sys.stderr)
-        build(kind)
+        print("building the libraries, once, which takes some minutes", file=sys.stderr)
+        build()
     if path.is_file():
         return path
     if path.is_relative_to(BINARIES):
@@ -43,11 +43,10 @@ def library(kind: str) -> Path:
     raise SceneError(f"there is no library {path}, in the folder that NERVURE_LIBRARIES names")
 
 
-def build(*kinds: str) -> None:
-    """Build the libraries of units in the source tree; cargo shows its progress on the standard error."""
-    packages = [f"--package=nervure-fmu-{kind}" for kind in kinds]
+def build() -> None:
+    """Build the libraries of the units in the source tree; cargo shows its progress on the standard error."""
     try:
-        done = subprocess.run(["cargo", "build", "--release", "--locked", *packages], cwd=SOURCE)
+        done = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
     except FileNotFoundError:
         raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
     if done.returncode != 0:
@@ -58,11 +57,6 @@ def _path(kind: str) -> Path:
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
     folder = Path(os.environ.get("NERVURE_LIBRARIES") or (built if SOURCE else BINARIES / PLATFORM))
     return folder / f"{PREFIX}fmu_{kind}{SUFFIX}"
-
-
-def is_built(kind: str) -> bool:
-    """Return whether there is a library of unit `kind`."""
-    return _path(kind).is_file()
 
 
 def check(text: str, original: str | None = None) -> list[Fault]:
@@ -122,8 +116,6 @@ def describe(kind: str, text: str, version: int = 2) -> str:
 
     Raises `SceneError` with the faults of the scene, or with the unit's words where only the unit refuses it.
     """
-    if not is_built(kind) and (faults := check(text)):  # before the library is built
-        raise SceneError("\n".join(fault.text for fault in faults), faults)
     name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
     function = ctypes.CDLL(str(library(kind)))[name]
     function.argtypes = [ctypes.c_char_p, *BUFFER]

@@ -167,7 +167,7 @@ def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_
         Session(validate(rod_only), drive=heave)
 
 
-def test_a_wing_that_nothing_drives_is_refused_by_its_key(wing_library):
+def test_a_wing_that_nothing_drives_is_refused_by_its_key(libraries):
     mesh = {"rectangular": {"length": 0.2, "width": 0.1, "along": 2}}
     membrane = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.1}
     wing = {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": "master"}
@@ -176,7 +176,7 @@ def test_a_wing_that_nothing_drives_is_refused_by_its_key(wing_library):
         Session(validate(scene))
 
 
-def test_a_drive_that_turns_a_wing_hears_that_a_hinge_does(wing_library):
+def test_a_drive_that_turns_a_wing_hears_that_a_hinge_does(libraries):
     mesh = {"rectangular": {"length": 0.2, "width": 0.1, "along": 2}}
     membrane = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.1}
     wing = {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": "master"}

@@ -22,7 +22,7 @@ from nervure.units.describe import describe
 
 EXAMPLES = ROOT / "examples"
 
-pytestmark = pytest.mark.usefixtures("body_library")
+pytestmark = pytest.mark.usefixtures("libraries")
 
 STROKE = {"sine": {"amplitude": 0.8, "frequency": 1.0, "ramp": 0.5}}
 WING = {

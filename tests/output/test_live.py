@@ -140,7 +140,7 @@ def test_a_rod_alone_has_curves_and_an_outline(rod_only, tmp_path, pages):
     assert state["curves"]["tip_uy"]["values"][-1] <= 0.0
 
 
-@pytest.mark.usefixtures("wing_library")
+@pytest.mark.usefixtures("libraries")
 def test_a_wing_is_seen_from_above(tmp_path, pages):
     scene = nervure.load(ROOT / "examples" / "wing-hanging.json").copy({"time.end": 100.0})
     run = Run(pages, lambda: nervure.run(scene, tmp_path, quiet=True, live=True))

@@ -68,7 +68,7 @@ def test_a_rod_alone_has_its_curves(tmp_path):
     assert picture(followed["image/png"]).shape[0] < 250 and 'alt="tip"' in shown["text/html"]
 
 
-@pytest.mark.usefixtures("wing_library")
+@pytest.mark.usefixtures("libraries")
 def test_a_wing_is_seen(tmp_path):
     scene = FOLLOWED.format(scene=ROOT / "examples" / "wing-hanging.json", changes={"time.end": 0.02})
     (followed, _), (shown,) = executed(tmp_path, scene, "run")

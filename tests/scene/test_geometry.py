@@ -186,7 +186,7 @@ def warnings_of(scene: dict[str, Any]) -> list[str]:
         return [text for text in session.warnings if not text.startswith("short waves")]
 
 
-@pytest.mark.usefixtures("wing_library")
+@pytest.mark.usefixtures("libraries")
 @cases("met")
 def test_what_meets_during_a_run_is_told_of_with_place_and_time(case, libraries):
     (found,) = warnings_of(case["scene"])

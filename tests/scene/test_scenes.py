@@ -32,7 +32,7 @@ def test_scene_is_named_like_its_file(path):
 
 
 @every_scene
-def test_scene_packs(path, tmp_path, body_library):
+def test_scene_packs(path, tmp_path, libraries):
     scene = load(path)
     for kind in unit_names(scene):
         assert package.pack(describe(kind, scene), tmp_path).is_file()

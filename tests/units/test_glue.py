@@ -25,7 +25,8 @@ SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.
 @pytest.fixture(scope="module")
 def library():
     """The example's shared library."""
-    command = ["cargo", "build", "--release", "-p", "nervure-fmi-export", "--example", "damped_oscillator"]
+    packages = ["--workspace", "--exclude=nervure-cargo-fmu"]  # As the tests in Rust
+    command = ["cargo", "build", "--release", "--locked", *packages, "--example", "damped_oscillator"]
     output = subprocess.run(
         [*command, "--message-format=json"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
     ).stdout

@@ -32,7 +32,7 @@ def files(platforms) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def targets(tmp_path_factory, body_library):
+def targets(tmp_path_factory, libraries):
     """This system's libraries and stand-ins for the others, laid out as by `make dist-libraries`."""
     folder = tmp_path_factory.mktemp("dist")
     for name, target in delivery.TARGETS[2].items():

@@ -29,7 +29,7 @@ from tests.conftest import nervure as command
 from tests.reliability.checks import CHECKS, unpack
 from tests.reliability.unit import WING, child, tried
 
-pytestmark = pytest.mark.usefixtures("wing_library")
+pytestmark = pytest.mark.usefixtures("libraries")
 HANGING = ROOT / "examples" / "wing-hanging.json"
 COARSE = ["wing.mesh.insect.along=4", "time.end=0.02"]
 
@@ -41,7 +41,7 @@ def wing():
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory, wing_library):
+def run(tmp_path_factory, libraries):
     """The example on a coarse mesh, with fields."""
     folder = tmp_path_factory.mktemp("wing") / "run"
     return nervure.run(HANGING, folder, overrides=COARSE, fields_every=2e-3, quiet=True)

@@ -13,7 +13,7 @@ from nervure.simulation import checkpoint
 from nervure.simulation.session import Session
 from studies import simulate, wing as wing_study
 
-pytestmark = pytest.mark.usefixtures("wing_library")
+pytestmark = pytest.mark.usefixtures("libraries")
 
 STEP = 0.02
 SCENE = {
@@ -41,11 +41,11 @@ def scene(**wing):
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory, wing_library):
+def run(tmp_path_factory, libraries):
     return nervure.run(validate(SCENE), tmp_path_factory.mktemp("flow") / "run", quiet=True)
 
 
-def test_the_scheme_is_explicit_with_the_momentum_load(wing_library):
+def test_the_scheme_is_explicit_with_the_momentum_load(libraries):
     with Session(validate(SCENE)) as session:
         assert type(session.scheme) is Explicit and list(session.units) == ["wing", "fluid"]
         assert session.scheme.choice.load == "momentum"
@@ -86,7 +86,7 @@ def test_the_loads_hold_where_the_cfl_number_divides_the_step(own, tmp_path):
     assert ends[1] == pytest.approx(ends[0], rel=0.05), ends
 
 
-def test_a_fluid_in_space_refuses_a_step_in_which_its_loads_do_not_hold(wing_library):
+def test_a_fluid_in_space_refuses_a_step_in_which_its_loads_do_not_hold(libraries):
     """It says which step it takes, and takes that from the state before."""
     slow = SCENE["fluid"] | {"initial_velocity": [1.0, 0.0, 0.0]}
     slow |= {"time_stepping": {"max_step": STEP, "max_cfl": 0.1}}

@@ -7,6 +7,9 @@ use serde::Serialize;
 /// Most faults that are listed for one scene.
 const MOST_FAULTS: usize = 20;
 
+/// Most characters of a number in a sentence: as many as 17 digits, a point and leading zeros of a thousandth need.
+const MOST_DIGITS: usize = 21;
+
 /// Most characters of a value that a fault shows.
 const SHOWN: usize = 60;
 
@@ -146,7 +149,9 @@ impl Faults {
     /// Add a fault; beyond the most that are listed, none is added.
     pub fn push(&mut self, fault: Fault) {
         if self.list.len() < MOST_FAULTS {
-            self.list.push(fault);
+            let Fault { value, allowed, text, .. } = &fault;
+            let [value, allowed] = [value, allowed].map(|part| part.as_deref().map(legible));
+            self.list.push(Fault { value, allowed, text: legible(text), ..fault });
         }
     }
 
@@ -252,8 +257,29 @@ fn sentences(faults: &[Fault]) -> String {
     each.join("\n")
 }
 
+/// Return the text with powers of ten in place of numbers of many digits; names and quoted texts stay.
+fn legible(text: &str) -> String {
+    let is_part = |letter: char| letter.is_alphanumeric() || matches!(letter, '.' | '_' | '"');
+    let mut rest = text;
+    let mut result = String::with_capacity(text.len());
+    while let Some(begin) = rest.find(is_part) {
+        let (before, from) = rest.split_at(begin);
+        let (word, behind) = from.split_at(from.find(|letter| !is_part(letter)).unwrap_or(from.len()));
+        let digits = word.trim_end_matches('.');
+        let is_long = digits.len() > MOST_DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+        result.push_str(before);
+        match digits.parse::<f64>().ok().filter(|number| is_long && number.is_finite()) {
+            Some(number) => result.extend([&format!("{number:e}"), &word[digits.len()..]]),
+            None => result.push_str(word),
+        }
+        rest = behind;
+    }
+    result + rest
+}
+
 /// Return at most the first characters of `text`.
 pub(crate) fn shorten(text: &str) -> String {
+    let text = &legible(text);
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.into(),
@@ -271,5 +297,23 @@ pub(crate) fn join(parts: &[String], word: &str) -> String {
         [] => String::new(),
         [only] => only.clone(),
         [parts @ .., last] => format!("{} {word} {last}", parts.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::legible;
+
+    #[test]
+    fn numbers_of_many_digits_are_powers_of_ten_and_names_stay() {
+        for (number, sentence) in [(1e300, "x is [-1e300, 3]."), (1e-300, "x is [-1e-300, 3].")] {
+            assert_eq!(legible(&format!("x is [-{number}, 3].")), sentence);
+        }
+        assert_eq!(legible(&format!("it ends at {}.", 1e30)), "it ends at 1e30.");
+        for same in
+            ["0.0012345678901234567", "`a_123456789012345678901234`", "\"123456789012345678901234\"", "1.5e-7, é"]
+        {
+            assert_eq!(legible(same), same);
+        }
     }
 }

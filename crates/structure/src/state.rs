@@ -1,5 +1,7 @@
 //! State of a structure between two steps.
 
+use std::slice;
+
 use serde::{Deserialize, Serialize};
 
 use crate::scheme::Motion;
@@ -106,15 +108,20 @@ impl<const D: usize, M: Clone> State<D, M> {
 
     /// Refuse an exchange or a drive that is not finite: loads or a motion of the root that are too large.
     pub(crate) fn check_exchange<F>(&self) -> Result<(), Error<F>> {
-        let Exchange { force, power, work } = self.exchange;
-        if force.iter().chain([&power, &work]).any(|number| !number.is_finite()) {
-            return Err(Error::value("state.exchange", format!("{:?}", self.exchange), "finite"));
+        let (exchange, drive) = (&self.exchange, &self.drive);
+        let parts = [
+            ("state.exchange.force", exchange.force.as_slice()),
+            ("state.exchange.power", slice::from_ref(&exchange.power)),
+            ("state.exchange.work", slice::from_ref(&exchange.work)),
+            ("state.drive.force", drive.force.as_slice()),
+            ("state.drive.moment", &drive.moment),
+            ("state.drive.power", slice::from_ref(&drive.power)),
+            ("state.drive.work", slice::from_ref(&drive.work)),
+        ];
+        match parts.into_iter().find(|(_, numbers)| numbers.iter().any(|number| !number.is_finite())) {
+            Some((name, numbers)) => Err(Error::value(name, numbers, "finite")),
+            None => Ok(()),
         }
-        let Drive { force, moment, power, work } = self.drive;
-        if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
-            return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
-        }
-        Ok(())
     }
 
     /// Refuse arrays of a wrong length, numbers that are not finite, and a negative last step, except in `own`.

@@ -13,7 +13,6 @@ from rich.table import Table
 
 from nervure.coupling import stand_still
 from nervure.errors import InputError, UnitError
-from nervure.library import is_built
 from nervure.output import forecast, prior
 from nervure.output.tables import print_table
 from nervure.scene import Scene
@@ -80,8 +79,7 @@ def show_unit(console: Console, path: Path) -> None:
 
 
 def show_scene(console: Console, scene: Scene) -> None:
-    """Print sizes, choices and forecast of a scene; what only the units know is left out where their libraries are not
-    built."""
+    """Print sizes, choices and forecast of a scene."""
     facts, units = Facts(scene), unit_kinds(scene)
     rows = [("description", scene.description)] if scene.description else []
     *front, last = units
@@ -119,10 +117,7 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows.append(
             (f"verified {name.replace('_', ' ')}", f"{bar.limit:.4g} {bar.unit}, here off by up to {bar.error:.2g}")
         )
-    if missing := dict.fromkeys(kind for kind in units.values() if not is_built(kind)):
-        rows.append(("wall time", f"unknown until `nervure run` builds the library of the {' and the '.join(missing)}"))
-    else:
-        rows += _measured(scene)
+    rows += _measured(scene)
     rows += (("warning", text) for text in forecast.warnings(facts))
     _print(console, scene.name, rows)
 

@@ -11,6 +11,7 @@ from typing import Self
 from nervure.coupling import Drive, Driver, Scheme, couple
 from nervure.coupling.guards import Limits
 from nervure.errors import InputError
+from nervure.files import unwritable
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
@@ -141,7 +142,7 @@ class Session(TimeLoop):
         except OSError as error:
             if session:
                 session.close()
-            raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
+            raise unwritable(folder, error) from error
         session.stale_files |= stale - {path.parent.resolve() / path.name for path in session.fmus.values()}
         return session
 
