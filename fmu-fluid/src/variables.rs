@@ -6,7 +6,7 @@
 use std::slice::from_mut;
 
 use adapter::AXES;
-use fluid::{Fluid, Force, Kinematics, Pose, Stations};
+use fluid::{Fluid, Force, Kinematics, Pose, Spin, Stations};
 use scene::{Followed, Load, Surface};
 
 use super::FluidUnit;
@@ -155,10 +155,8 @@ where
             }
         }
         if unit.scene.followed().is_some() {
-            for (axis, along) in AXES.into_iter().enumerate().take(D) {
-                let text = format!("Lower end of the fine box along {along}");
-                list.output(format!("fine_box.{along}"), "m", text, move |fluid| fluid.grid_of_bodies().low()[axis]);
-            }
+            let text = |along: &str| format!("Lower end of the fine box along {along}");
+            list.along("fine_box.", "m", text, |fluid, axis| fluid.grid_of_bodies().low()[axis]);
         }
         for (k, probe) in part.probes.iter().enumerate() {
             list.probe(&probe.name, &probe.position, k);
@@ -182,6 +180,34 @@ where
         read: impl Fn(&mut Fluid<D>) -> f64 + Copy + Send + Sync + 'static,
     ) {
         self.0.push(Real::computed(name, per_depth::<D>(unit), text, move |m| read(fluid(m))).depends_on(&[]));
+    }
+
+    /// Add an output along each axis, whose name ends with it.
+    fn along(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        text: impl Fn(&str) -> String,
+        read: impl Fn(&mut Fluid<D>, usize) -> f64 + Copy + Send + Sync + 'static,
+    ) {
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            self.output(format!("{name}{along}"), unit, text(along), move |fluid| read(fluid, axis));
+        }
+    }
+
+    /// Add an output about the axis across the plane, or in space one about each axis, whose name ends with it.
+    fn about(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        text: impl Fn(Option<&str>) -> String,
+        read: impl Fn(&mut Fluid<D>) -> Spin<D> + Copy + Send + Sync + 'static,
+    ) {
+        let component = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(read(fluid))[about];
+        if D == 2 {
+            return self.output(name, unit, text(None), move |fluid| component(fluid, 0));
+        }
+        self.along(&format!("{name}_"), unit, |about| text(Some(about)), component);
     }
 
     /// Add time and parameters.
@@ -248,24 +274,17 @@ where
         of: impl Fn(&Fluid<D>) -> Force<D> + Copy + Send + Sync + 'static,
     ) {
         self.force(name, body, move |fluid, axis| of(fluid).force[axis]);
-        let moment = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(of(fluid).moment)[about];
-        if D == 2 {
-            let text = format!("Moment of the fluid on {body} about {point}, positive to the left, per metre of depth");
-            self.output(format!("{name}moment"), "N.m", text, move |fluid| moment(fluid, 0));
-            return;
-        }
-        for (axis, about) in AXES.into_iter().enumerate() {
-            let text = format!("Moment of the fluid on {body} about an axis along {about} through {point}");
-            self.output(format!("{name}moment_{about}"), "N.m", text, move |fluid| moment(fluid, axis));
-        }
+        let text = |about: Option<&str>| match about {
+            None => format!("Moment of the fluid on {body} about {point}, positive to the left, per metre of depth"),
+            Some(about) => format!("Moment of the fluid on {body} about an axis along {about} through {point}"),
+        };
+        self.about(&format!("{name}moment"), "N.m", text, move |fluid| of(fluid).moment);
     }
 
     /// Add the position of `point`, that of rigid body number `k`.
     fn position(&mut self, name: &str, point: &str, k: usize) {
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text = format!("Position of {point} along {along}");
-            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
-        }
+        let text = |along: &str| format!("Position of {point} along {along}");
+        self.along(name, "m", text, move |fluid, axis| fluid.pose(k).position[axis]);
     }
 
     /// Add power, place and angle of rigid body number `k`.
@@ -273,36 +292,31 @@ where
         let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
         self.output(format!("{name}power"), "W", power, move |fluid| fluid.power_on_body(k));
         self.position(name, &format!("the pivot of {body}"), k);
-        let angle = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).angle)[about];
-        if D == 2 {
-            let text = format!("Angle from the x axis to that of {body}, positive to the left");
-            self.output(format!("{name}angle"), "rad", text, move |fluid| angle(fluid, 0));
-        } else if has_axis {
+        let name = format!("{name}angle");
+        if D == 3 && has_axis {
             let text = format!("Angle of the motion of {body} about its axis");
-            self.output(format!("{name}angle"), "rad", text, move |fluid| fluid.angle_of_law(k));
-        } else {
-            for (axis, about) in AXES.into_iter().enumerate() {
-                let text = format!("Component along {about} of the rotation vector of {body} from rest");
-                self.output(format!("{name}angle_{about}"), "rad", text, move |fluid| angle(fluid, axis));
-            }
+            return self.output(name, "rad", text, move |fluid| fluid.angle_of_law(k));
         }
+        let text = |about: Option<&str>| match about {
+            None => format!("Angle from the x axis to that of {body}, positive to the left"),
+            Some(about) => format!("Component along {about} of the rotation vector of {body} from rest"),
+        };
+        self.about(&name, "rad", text, move |fluid| fluid.pose(k).angle);
     }
 
     /// Add the load of the next step on rigid body number `k`, which a free body moves.
     fn load(&mut self, name: &str, body: &str, k: usize) {
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text =
-                format!("Force of the fluid on {body} along {along} in the next step, if it keeps its velocities");
-            self.output(format!("{name}load.force_{along}"), "N", text, move |fluid| {
-                fluid.load_on_body(k).map_or(0.0, |load| load.force.force[axis])
-            });
-        }
-        for (axis, about) in AXES.into_iter().enumerate() {
-            let text = format!("Moment of that force about an axis along {about} through the pivot of {body}");
-            self.output(format!("{name}load.moment_{about}"), "N.m", text, move |fluid| {
-                fluid.load_on_body(k).map_or(0.0, |load| <[f64; D]>::components(load.force.moment)[axis])
-            });
-        }
+        let text = |along: &str| {
+            format!("Force of the fluid on {body} along {along} in the next step, if it keeps its velocities")
+        };
+        self.along(&format!("{name}load.force_"), "N", text, move |fluid, axis| {
+            fluid.load_on_body(k).map_or(0.0, |load| load.force.force[axis])
+        });
+        let text =
+            |about: &str| format!("Moment of that force about an axis along {about} through the pivot of {body}");
+        self.along(&format!("{name}load.moment_"), "N.m", text, move |fluid, axis| {
+            fluid.load_on_body(k).map_or(0.0, |load| <[f64; D]>::components(load.force.moment)[axis])
+        });
         let text = "Rows of the rate at which they fall with the velocities of the body";
         let impedance = Real::output(format!("{name}load.impedance"), "1", text, move |m: &mut FluidUnit| {
             fluid::<D>(m).load_on_body(k).map_or(&[][..], |load| load.impedance.as_flattened())
@@ -312,62 +326,68 @@ where
 
     /// Add the motion of rigid body number `k`, which the master moves, as inputs.
     fn displacement(&mut self, name: &str, body: &str, k: usize) {
-        let mut input = |part: String, unit: &str, what: String, of: Component<D>| {
+        let mut input = |part: String, unit: &str, what: String, of: Select<D>, axis: usize| {
             let text = format!("{what} of {body} at the end of the step");
             self.0.push(Real::input(format!("{name}motion.{part}"), unit, text, move |m: &mut FluidUnit| {
-                from_mut(of.of(&mut flow::<D>(m).displacements[k]))
+                from_mut(of(&mut flow::<D>(m).displacements[k], axis))
             }));
         };
         for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            input(along.into(), "m", format!("Displacement along {along}"), Component::Position(axis));
+            input(
+                along.into(),
+                "m",
+                format!("Displacement along {along}"),
+                |pose, axis| &mut pose.position[axis],
+                axis,
+            );
         }
+        let angle: Select<D> = |pose, about| <[f64; D]>::component_mut(&mut pose.angle, about);
         if D == 2 {
-            input("angle".into(), "rad", "Angle, added to that of the scene,".into(), Component::Angle(0));
+            input("angle".into(), "rad", "Angle, added to that of the scene,".into(), angle, 0);
         } else {
             for (axis, about) in AXES.into_iter().enumerate() {
                 let what = format!("Component along {about} of the rotation vector from rest");
-                input(format!("angle_{about}"), "rad", what, Component::Angle(axis));
+                input(format!("angle_{about}"), "rad", what, angle, axis);
             }
         }
         for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            input(format!("v{along}"), "m/s", format!("Velocity along {along}"), Component::Velocity(axis));
+            input(
+                format!("v{along}"),
+                "m/s",
+                format!("Velocity along {along}"),
+                |pose, axis| &mut pose.velocity[axis],
+                axis,
+            );
         }
+        let omega: Select<D> = |pose, about| <[f64; D]>::component_mut(&mut pose.omega, about);
         if D == 2 {
-            input("omega".into(), "rad/s", "Rate of the angle".into(), Component::Omega(0));
+            input("omega".into(), "rad/s", "Rate of the angle".into(), omega, 0);
         } else {
             for (axis, about) in AXES.into_iter().enumerate() {
                 let what = format!("Angular velocity about {about}");
-                input(format!("omega_{about}"), "rad/s", what, Component::Omega(axis));
+                input(format!("omega_{about}"), "rad/s", what, omega, axis);
             }
         }
     }
 
     /// Add the velocities of rigid body number `k`, which is on springs.
     fn velocity(&mut self, name: &str, body: &str, k: usize) {
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text = format!("Velocity of the pivot of {body} along {along}");
-            self.output(format!("{name}v{along}"), "m/s", text, move |fluid| fluid.pose(k).velocity[axis]);
-        }
-        let omega = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).omega)[about];
-        if D == 2 {
-            let text = format!("Rate of the angle of {body}");
-            self.output(format!("{name}omega"), "rad/s", text, move |fluid| omega(fluid, 0));
-            return;
-        }
-        for (axis, about) in AXES.into_iter().enumerate() {
-            let text = format!("Angular velocity of {body} about {about}");
-            self.output(format!("{name}omega_{about}"), "rad/s", text, move |fluid| omega(fluid, axis));
-        }
+        let text = |along: &str| format!("Velocity of the pivot of {body} along {along}");
+        self.along(&format!("{name}v"), "m/s", text, move |fluid, axis| fluid.pose(k).velocity[axis]);
+        let text = |about: Option<&str>| match about {
+            None => format!("Rate of the angle of {body}"),
+            Some(about) => format!("Angular velocity of {body} about {about}"),
+        };
+        self.about(&format!("{name}omega"), "rad/s", text, move |fluid| fluid.pose(k).omega);
     }
 
     /// Add force, moment, power and work of flexible body number `k` in the last step, to be compared with the rod's.
     fn exchange(&mut self, Names { name, text, stations, centre, .. }: &Names, k: usize) {
         let name = format!("{name}.");
         self.force_and_moment(&name, text, centre, move |fluid| fluid.force_on_flexible(k));
-        for (axis, along) in AXES.into_iter().enumerate().take(D) {
-            let text = format!("Sum of what the fluid exerted on the {stations} along {along}: no unsteady term");
-            self.output(format!("{name}load_{along}"), "N", text, move |fluid| fluid.exchange()[k].force[axis]);
-        }
+        let text =
+            |along: &str| format!("Sum of what the fluid exerted on the {stations} along {along}: no unsteady term");
+        self.along(&format!("{name}load_"), "N", text, move |fluid, axis| fluid.exchange()[k].force[axis]);
         let power = format!("Power of what the fluid exerted on the {stations}, at the end of the step");
         self.output(format!("{name}power"), "W", power, move |fluid| fluid.exchange()[k].power);
         let work = "Its work since the start: the sum of power times step";
@@ -455,25 +475,5 @@ struct Parts {
     pressure: bool,
 }
 
-/// A component of a pose.
-#[derive(Clone, Copy)]
-enum Component<const D: usize> {
-    Position(usize),
-    Angle(usize),
-    Velocity(usize),
-    Omega(usize),
-}
-
-impl<const D: usize> Component<D>
-where
-    [f64; D]: Counted<D>,
-{
-    fn of(self, pose: &mut Pose<D>) -> &mut f64 {
-        match self {
-            Self::Position(axis) => &mut pose.position[axis],
-            Self::Angle(about) => <[f64; D]>::component_mut(&mut pose.angle, about),
-            Self::Velocity(axis) => &mut pose.velocity[axis],
-            Self::Omega(about) => <[f64; D]>::component_mut(&mut pose.omega, about),
-        }
-    }
-}
+/// Selects a component of a pose by the number of its axis.
+type Select<const D: usize> = fn(&mut Pose<D>, usize) -> &mut f64;

@@ -12,14 +12,12 @@ pub use crate::announced::{Announced, Carried, UNKNOWN, response};
 pub use crate::dimensions::Dimensions;
 pub use crate::obstacles::{obstacles, obstacles_in_space};
 
+pub use scene::AXES;
 #[doc(hidden)]
 pub use {fmi_export, scene};
 
 /// Resources of a unit.
 pub const RESOURCES: &[&str] = &["scene.json"];
-
-/// Names of the axes.
-pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Return the scene of a unit.
 ///

@@ -6,13 +6,13 @@
 use std::sync::Arc;
 
 use contact::largest_stiffness;
-use geometry::plane::Outline;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::gust::Gust;
+use crate::law::Law;
 use crate::parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, Law, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
+    Body, Contact, Extent, FineBox, Flexible, Followed, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
 };
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
@@ -23,10 +23,11 @@ impl TryFrom<&Scene> for Parameters<2> {
     /// Fails for a scene without a fluid of two dimensions.
     fn try_from(scene: &Scene) -> Result<Self, Error> {
         let fluid = of_dimension(scene, 2)?;
-        let cylinders = fluid.cylinders.iter().enumerate().map(cylinder);
+        let make = |of: &[scene::Body], name| bodies(of, name, shape, |body| body.angle, |_| 1.0).collect::<Vec<_>>();
+        let cylinders: Vec<_> = fluid.cylinders.iter().map(scene::Body::from).collect();
         Ok(Self {
-            bodies: cylinders.chain(bodies(&fluid.bodies, "body", shape, |body| body.angle, |_| 1.0)).collect(),
-            contact: contact(scene, fluid, |of| bodies(of, "obstacle", shape, |body| body.angle, |_| 1.0).collect()),
+            bodies: [make(&cylinders, "cylinder"), make(&fluid.bodies, "body")].concat(),
+            contact: contact(scene, fluid, |of| make(of, "obstacle")),
             flexible: beams(scene),
             ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y])
         })
@@ -67,16 +68,21 @@ where
     [f64; D]: Space<D>,
 {
     let step = scene.time.communication_step;
-    let (channel, time) = (fluid.channel.as_ref(), &fluid.time_stepping);
-    let walls = channel.map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
+    let (walls, time) = (fluid.walls(), &fluid.time_stepping);
     let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
     let gust = fluid.gust.map(|_| Gust::default());
     let blown = |law: Law, axis| gust.as_ref().map_or(law.clone(), |gust| gust.added_to(law, axis));
-    let zone = |zone: Zone| Zone { mean_velocity: blown(zone.mean_velocity, 0), ..zone };
+    let zone = |zone: scene::Zone| Zone {
+        x: zone.x,
+        parabolic: zone.profile == InflowProfile::Parabolic,
+        mean_velocity: blown(law(zone.mean_velocity), 0),
+        c_eta: zone.c_eta,
+    };
+    let [inflow, sponge] = fluid.zones().map(|own| own.map(zone));
+    let place = |places: Vec<[usize; 2]>| [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
     Parameters {
         fine_box: fluid.fine_box.as_ref().map(|fine| {
-            let places = fine.places(&fluid.r#box);
-            let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
+            let [first, cells] = place(fine.places(&fluid.r#box));
             let follows = scene.followed().map(|part| match part {
                 scene::Followed::Cylinder(k) => Followed::Rigid(k),
                 scene::Followed::Body(k) => Followed::Rigid(fluid.cylinders.len() + k),
@@ -87,16 +93,15 @@ where
             FineBox { first, cells, ratio: fine.ratio, follows }
         }),
         middle_box: fluid.middle_box.as_ref().map(|middle| {
-            let places = middle.places(&fluid.r#box);
-            let [first, cells] = [0, 1].map(|k| std::array::from_fn(|axis| places[axis][k]));
+            let [first, cells] = place(middle.places(&fluid.r#box));
             MiddleBox { first, cells, ratio: middle.ratio }
         }),
         initial_velocity: components(&fluid.initial_velocity),
         disturbance: fluid.disturbance,
         mean_flow: mean_flow.map(|mean| std::array::from_fn(|axis| blown(law(mean[axis]), axis))),
         walls: std::array::from_fn(|axis| walls[axis]),
-        inflow: fluid.inflow.as_ref().map(inflow).map(zone),
-        sponge: fluid.sponge.as_ref().map(sponge).map(zone),
+        inflow,
+        sponge,
         gust: gust.clone(),
         mask: fluid.mask,
         probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
@@ -115,18 +120,6 @@ where
 /// Return the first components; those that a list lacks are 0.
 fn components<T: Copy + Default, const D: usize>(list: &[T]) -> [T; D] {
     std::array::from_fn(|axis| list.get(axis).copied().unwrap_or_default())
-}
-
-fn inflow(inflow: &scene::Inflow) -> Zone {
-    zone(inflow.x, inflow.profile, &inflow.mean_velocity, inflow.c_eta)
-}
-
-fn sponge(sponge: &scene::Sponge) -> Zone {
-    zone(sponge.x, sponge.profile, &sponge.mean_velocity, sponge.c_eta)
-}
-
-fn zone(x: [f64; 2], profile: InflowProfile, mean_velocity: &TimeLaw, c_eta: f64) -> Zone {
-    Zone { x, parabolic: profile == InflowProfile::Parabolic, mean_velocity: law(mean_velocity), c_eta }
 }
 
 /// Return the flexible bodies of a scene in space: its beams in their order, then its wings.
@@ -172,14 +165,6 @@ fn law(law: &TimeLaw) -> Law {
     Law::new(move |t| law.value_and_rate(t))
 }
 
-fn cylinder((k, cylinder): (usize, &scene::Cylinder)) -> Body {
-    let motion = |motion: &scene::Motion| Motion::laws([law(&motion.x), law(&motion.y)], 1.0, Law::constant(0.0));
-    Body {
-        motion: cylinder.motion.as_ref().map(motion),
-        ..Body::still(format!("cylinder {}", k + 1), Outline::Circle(cylinder.radius), cylinder.center)
-    }
-}
-
 /// Return the contact of the bodies of a scene, with the obstacles that `make` makes.
 fn contact<const D: usize>(
     scene: &Scene,
@@ -191,7 +176,7 @@ where
 {
     let own = scene.contact.as_ref()?;
     let law = own.law_of_bodies(scene, fluid);
-    let walls = fluid.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
+    let walls = fluid.walls();
     let skin = |beam: scene::BeamWithRod| {
         let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
         // The fluid beside a light line is as slow.
@@ -229,7 +214,7 @@ where
         let driven = |drive: &BodyDrive| match drive {
             BodyDrive::Master(_) => Motion::Master,
             BodyDrive::Laws(laws) => {
-                let displacement = std::array::from_fn(|axis| law([&laws.x, &laws.y, &laws.z][axis]));
+                let displacement = std::array::from_fn(|axis| law(laws.along()[axis]));
                 Motion::of_rotations(displacement, laws.turns().map(|(about, angle)| (axis(about), law(angle))))
             }
         };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::parameters::Law;
+use crate::law::Law;
 
 /// Velocity added to the laws of inflow, sponge and mean flow, m/s: the same for all copies of it and all laws with it.
 /// It holds from one [`Gust::set`] to the next.

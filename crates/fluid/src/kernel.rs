@@ -5,7 +5,7 @@
 //! one less a 24th of its second derivative has the width of the quartic one, and a third of the noise of the cubic
 //! one. In space it would weigh 216 points for each marker in place of 64.
 
-use method::marker_reach;
+use method::{LINE_THICKNESS_CELLS, SURFACE_THICKNESS_CELLS, marker_reach};
 
 /// The kernel of a number of dimensions, and what was found by measurement for it.
 pub struct Kernel {
@@ -35,29 +35,6 @@ impl Kernel {
     }
 }
 
-/// Thickness of the plate that a line of markers in the plane stands for, cells: twice the mean of |Y|, where Y is the
-/// difference of two independent variables whose density is the kernel.
-///
-/// In a shear flow along the line the plane of no slip lies the mean of |Y| off the line on both sides, exactly. Across
-/// the line a wave of the wavenumber k, interpolated and spread, loses the factor `1 − |k| mean|Y|` to first order, as
-/// the potential flow between two vortex sheets at that distance. Of the quintic B-spline itself Y would
-/// have the density of that of degree 11, and the thickness would be 1.603.
-pub const LINE_THICKNESS_CELLS: f64 = 2_286_280_459.0 / 1_556_755_200.0;
-
-/// The same of a surface in space. Y has the density of the B-spline of degree 7.
-pub const SURFACE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
-
-/// Cross-section of the rod that a line of markers in space stands for, cells²: the inverse of the density at 0 of the
-/// difference of two points of the kernel in the plane across the line.
-///
-/// A force on the line gives its markers the velocity ½ p(0) f t/rho in a fluid without viscosity, and f t/(2 rho A) to
-/// a cylinder of the section A with the fluid in it. Its radius is 1.18 cells.
-pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
-
-/// Radius of the cylinder that drags like such a line in slow viscous flow, across and along, cells: exp(mean ln|Y|), Y
-/// being that difference.
-pub const ROD_RADIUS_CELLS: f64 = 0.873_538_9;
-
 /// Return the thickness of the plate that markers represent, cells, in a number of dimensions.
 pub fn layer_thickness(dimensions: usize) -> f64 {
     if dimensions == 2 { LINE_THICKNESS_CELLS } else { SURFACE_THICKNESS_CELLS }
@@ -83,6 +60,8 @@ fn quintic(share: f64) -> [f64; 6] {
 
 #[cfg(test)]
 mod tests {
+    use method::{ROD_RADIUS_CELLS, ROD_SECTION_CELLS};
+
     use super::*;
 
     /// Return the kernel of a number of dimensions at a distance in spacings.
@@ -108,9 +87,6 @@ mod tests {
             let mean = pairs.sum::<f64>() * step * step;
             assert!((2.0 * mean - thickness).abs() < 2e-4, "{dimensions}: {}", 2.0 * mean);
         }
-        // The rod or the wing of a scene leaves the fluid of that layer out of its mass.
-        assert_eq!(LINE_THICKNESS_CELLS, scene::LINE_THICKNESS_CELLS);
-        assert_eq!(SURFACE_THICKNESS_CELLS, scene::SURFACE_THICKNESS_CELLS);
     }
 
     #[test]
@@ -119,11 +95,9 @@ mod tests {
         let (points, step) = places(3);
         let density = |y: f64| points.iter().map(|x| value(3, *x) * value(3, x + y)).sum::<f64>() * step;
         assert!((1.0 / density(0.0).powi(2) - ROD_SECTION_CELLS).abs() < 1e-6);
-        assert_eq!(ROD_SECTION_CELLS, scene::ROD_SECTION_CELLS);
         let ys: Vec<_> = (0..400).map(|i| (f64::from(i) + 0.5) * step).map(|y| (y, density(y))).collect();
         let pairs = ys.iter().flat_map(|a| ys.iter().map(move |b| a.1 * b.1 * a.0.hypot(b.0).ln()));
         let mean = pairs.sum::<f64>() * 4.0 * step.powi(2);
         assert!((mean.exp() - ROD_RADIUS_CELLS).abs() < 1e-3, "{}", mean.exp());
-        assert_eq!(ROD_RADIUS_CELLS, scene::ROD_RADIUS_CELLS);
     }
 }

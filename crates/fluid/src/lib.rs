@@ -15,6 +15,7 @@
 //! lines or surfaces. With the feature `scene` the parameters can be made from a scene.
 
 mod bodies;
+mod checks;
 mod error;
 mod field;
 mod filter;
@@ -27,6 +28,7 @@ mod from_scene;
 mod grid;
 mod gust;
 mod kernel;
+mod law;
 mod limits;
 mod outlet;
 mod outputs;

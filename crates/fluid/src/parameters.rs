@@ -1,25 +1,23 @@
 //! Parameters of a fluid: plain data, in SI units, in the plane per metre of depth.
 
 use std::borrow::Cow;
-use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use contact::BodyLaw;
+use geometry::AXES;
 use method::{Filter, Mask, Precision, Support, TimeScheme};
 
-use crate::bodies::Contacts;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::gust::Gust;
 use crate::shapes::{Between, Shape};
 use crate::space::{Freedoms, Kinematics, Space, Spin};
 
+pub use crate::law::Law;
+
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
-
-/// Names of the axes.
-const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Cells of the domain by which a fine box that moves may come nearer to the ends of the middle one.
 const CELLS_TO_FOLLOW: usize = 2;
@@ -171,10 +169,6 @@ impl<const D: usize> FineBox<D> {
         Grid::new(domain, self.cells.map(|cells| cells * self.ratio))
     }
 }
-
-/// A function of time (s) with its rate.
-#[derive(Clone)]
-pub struct Law(Arc<dyn Fn(f64) -> (f64, f64) + Send + Sync>);
 
 /// A zone across the domain in which the flow is drawn to `(shape(y) · mean_velocity(t), 0)`.
 #[derive(Clone, Debug)]
@@ -371,32 +365,8 @@ where
         std::array::from_fn(|axis| if self.walls[axis].is_none() { size[axis] } else { f64::INFINITY })
     }
 
-    /// Refuse numbers with which no step can be made.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] and its like, with the number.
-    pub fn check(&self) -> Result<(), Error> {
-        const WIDTHS: [&str; 3] =
-            ["width of the domain along x", "width of the domain along y", "width of the domain along z"];
-        let widths = WIDTHS.into_iter().zip(self.domain.map(|[low, high]| high - low));
-        let numbers = [
-            ("density", self.density),
-            ("kinematic viscosity", self.kinematic_viscosity),
-            ("C_eta of the mask", self.mask.c_eta()),
-            ("largest step", self.max_step),
-            ("largest CFL number", self.max_cfl),
-            ("communication step", self.communication_step),
-        ];
-        widths.chain(numbers).try_for_each(|(name, value)| require_positive(name, value))?;
-        self.check_cells()?;
-        self.check_boxes()?;
-        self.bodies.iter().try_for_each(|body| self.check_body(body))?;
-        Contacts::new(self)?;
-        self.flexible.iter().try_for_each(|body| self.check_flexible(body))
-    }
-
     /// Refuse fewer cells than the transforms work on: blocks of lines along the axis before the last.
-    fn check_cells(&self) -> Result<(), Error> {
+    pub(crate) fn check_cells(&self) -> Result<(), Error> {
         const NAMES: [&str; 3] = ["number of cells along x", "number of cells along y", "number of cells along z"];
         for (axis, (name, cells)) in NAMES.into_iter().zip(self.cells).enumerate() {
             let (least, allowed) = if axis + 2 == D {
@@ -413,7 +383,7 @@ where
 
     /// Refuse a fine box that has no room between its rims, or is not well within the domain, between walls and zones; and
     /// the same of a middle box, which must be well around it.
-    fn check_boxes(&self) -> Result<(), Error> {
+    pub(crate) fn check_boxes(&self) -> Result<(), Error> {
         let (Some(fine), middle) = (&self.fine_box, &self.middle_box) else {
             let lacks_fine = self.middle_box.map(|_| Error::MiddleBox("has no fine box in it".into()));
             return lacks_fine.map_or(Ok(()), Err);
@@ -510,7 +480,7 @@ where
         })
     }
 
-    fn check_body(&self, body: &Body<D>) -> Result<(), Error> {
+    pub(crate) fn check_body(&self, body: &Body<D>) -> Result<(), Error> {
         let implicit = self.scheme == TimeScheme::Sbdf2;
         if let Some(thin) = body.thin() {
             if !implicit {
@@ -544,7 +514,7 @@ where
         freedoms::<D>(mass, inertia)
     }
 
-    fn check_flexible(&self, body: &Flexible<D>) -> Result<(), Error> {
+    pub(crate) fn check_flexible(&self, body: &Flexible<D>) -> Result<(), Error> {
         let Extent::Band { thickness, support, .. } = &body.extent else { return self.check_thin(body) };
         let segments = body.nodes.len().saturating_sub(1);
         if segments < 2 || thickness.len() != 2 * segments + 1 {
@@ -660,7 +630,7 @@ where
     }
 }
 
-fn require_positive(name: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_positive(name: &'static str, value: f64) -> Result<(), Error> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
@@ -745,32 +715,4 @@ where
 {
     let about = <[f64; D]>::diagonal(inertia);
     std::array::from_fn(|i| if i < D { mass } else { about.get(i - D).copied().unwrap_or(0.0) })
-}
-
-impl Law {
-    /// A law from its value and its rate (1/s) at a time (s).
-    pub fn new(value_and_rate: impl Fn(f64) -> (f64, f64) + Send + Sync + 'static) -> Self {
-        Self(Arc::new(value_and_rate))
-    }
-
-    /// A constant value.
-    pub fn constant(value: f64) -> Self {
-        Self::new(move |_| (value, 0.0))
-    }
-
-    /// Return the value at a time (s).
-    pub fn value(&self, t: f64) -> f64 {
-        self.value_and_rate(t).0
-    }
-
-    /// Return the value and its rate (1/s) at a time (s).
-    pub fn value_and_rate(&self, t: f64) -> (f64, f64) {
-        (self.0)(t)
-    }
-}
-
-impl fmt::Debug for Law {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("Law")
-    }
 }

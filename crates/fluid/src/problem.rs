@@ -3,7 +3,8 @@
 use crate::bodies::{Bodies, Cell, Placement};
 use crate::force::BodyForce;
 use crate::grid::Grid;
-use crate::parameters::{Followed, Law, Parameters};
+use crate::law::Law;
+use crate::parameters::{Followed, Parameters};
 use crate::present::Present;
 use crate::space::{Space, Vector};
 use crate::stations::Stations;

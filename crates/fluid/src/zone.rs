@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use method::Mask;
 
 use crate::grid::Grid;
-use crate::parameters::{Law, Zone};
+use crate::law::Law;
+use crate::parameters::Zone;
 use crate::wall::DragProfile;
 
 /// A zone that draws the flow to `(shape(y) · mean_velocity(t), 0)`.

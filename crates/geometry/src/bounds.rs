@@ -1,4 +1,7 @@
-//! Bounding boxes.
+//! Axes and bounding boxes.
+
+/// Names of the axes.
+pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Least and largest place along each axis, m.
 pub type Bounds<const D: usize> = [[f64; 2]; D];

@@ -18,7 +18,7 @@ mod surface;
 mod triangle;
 pub mod vector;
 
-pub use bounds::{Bounds, beyond, near_pairs};
+pub use bounds::{AXES, Bounds, beyond, near_pairs};
 pub use chain::Chain;
 pub use crossings::Crossings;
 pub use placed::Placed;

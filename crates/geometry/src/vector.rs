@@ -10,6 +10,11 @@ pub fn norm<const D: usize>(a: [f64; D]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// Return the unit vector along `a`.
+pub fn unit<const D: usize>(a: [f64; D]) -> [f64; D] {
+    a.map(|part| part / norm(a))
+}
+
 /// Return `a - b`.
 pub fn minus<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| a[d] - b[d])

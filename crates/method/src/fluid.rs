@@ -19,6 +19,29 @@ pub const fn marker_reach(dimensions: usize) -> usize {
     if dimensions == 2 { 3 } else { 2 }
 }
 
+/// Thickness of the plate that a line of markers in the plane stands for, cells: twice the mean of |Y|, where Y is the
+/// difference of two independent variables whose density is the kernel.
+///
+/// In a shear flow along the line the plane of no slip lies the mean of |Y| off the line on both sides, exactly. Across
+/// the line a wave of the wavenumber k, interpolated and spread, loses the factor `1 − |k| mean|Y|` to first order, as
+/// the potential flow between two vortex sheets at that distance. Of the quintic B-spline itself Y would
+/// have the density of that of degree 11, and the thickness would be 1.603.
+pub const LINE_THICKNESS_CELLS: f64 = 2_286_280_459.0 / 1_556_755_200.0;
+
+/// The same of a surface in space. Y has the density of the B-spline of degree 7.
+pub const SURFACE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
+
+/// Cross-section of the rod that a line of markers in space stands for, cells²: the inverse of the density at 0 of the
+/// difference of two points of the kernel in the plane across the line.
+///
+/// A force on the line gives its markers the velocity ½ p(0) f t/rho in a fluid without viscosity, and f t/(2 rho A) to
+/// a cylinder of the section A with the fluid in it. Its radius is 1.18 cells.
+pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
+
+/// Radius of the cylinder that drags like such a line in slow viscous flow, across and along, cells: exp(mean ln|Y|), Y
+/// being that difference.
+pub const ROD_RADIUS_CELLS: f64 = 0.873_538_9;
+
 #[cfg(feature = "scene")]
 fn a_quarter() -> f64 {
     DECAY_LENGTH_CELLS

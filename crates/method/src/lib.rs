@@ -4,5 +4,8 @@
 mod fluid;
 mod rod;
 
-pub use fluid::{Filter, Mask, Precision, Support, Surface, TAIL, TimeScheme, WallCorrection, marker_reach};
+pub use fluid::{
+    Filter, LINE_THICKNESS_CELLS, Mask, Precision, ROD_RADIUS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS,
+    Support, Surface, TAIL, TimeScheme, WallCorrection, marker_reach,
+};
 pub use rod::{Axis, Bending, Calibration, Scheme, Section, Slide};

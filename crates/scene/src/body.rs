@@ -3,16 +3,16 @@
 use std::iter;
 
 use geometry::Section;
-use geometry::vector::{cross, dot, norm, turned};
-use geometry::{Chain, Placed, Surface};
+use geometry::vector::{cross, dot, minus, norm, turned, unit};
+use geometry::{AXES, Chain, Placed, Surface};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
-use crate::law::TimeLaw;
+use crate::law::{TimeLaw, values_and_rates};
 use crate::mount::Mount;
-use crate::reference_scales::ReferenceScales;
-use crate::root::Rotation;
+use crate::reference_scales::{ReferenceScales, vector};
+use crate::root::{Rotation, Z_AXIS};
 use crate::shape::Shape;
 
 /// A rigid body.
@@ -83,7 +83,7 @@ pub struct Turn {
 impl Turn {
     /// Return the axis as a unit vector.
     pub fn unit_axis(&self) -> [f64; 3] {
-        self.axis.map(|part| part / norm(self.axis))
+        unit(self.axis)
     }
 }
 
@@ -112,14 +112,24 @@ pub struct BodyMotion {
 }
 
 impl BodyMotion {
+    /// Return the laws of the displacement along each axis.
+    pub fn along(&self) -> [&TimeLaw; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
+    /// Return displacement, m, and velocity, m/s, at time `t` (s).
+    pub(crate) fn displacement(&self, t: f64) -> ([f64; 3], [f64; 3]) {
+        values_and_rates(self.along(), t)
+    }
+
     /// Return all laws: of the displacement, then of the rotations.
     pub(crate) fn all(&self) -> impl Iterator<Item = &TimeLaw> {
-        [&self.x, &self.y, &self.z].into_iter().chain(self.turns().map(|(_, angle)| angle))
+        self.along().into_iter().chain(self.turns().map(|(_, angle)| angle))
     }
 
     /// Return axis and angle of the rotations, in order.
     pub fn turns(&self) -> impl Iterator<Item = ([f64; 3], &TimeLaw)> {
-        let first = (self.axis.unwrap_or(Z), &self.angle);
+        let first = (self.axis.unwrap_or(Z_AXIS), &self.angle);
         iter::once(first).chain(self.rotations.iter().map(|own| (own.axis, &own.angle)))
     }
 }
@@ -171,40 +181,31 @@ impl Body {
     }
 }
 
-const Z: [f64; 3] = [0.0, 0.0, 1.0];
-
-/// Return a component; 0 where the list ends before it.
-fn component(list: &[f64], d: usize) -> f64 {
-    list.get(d).copied().unwrap_or(0.0)
-}
-
 /// Relative tolerance of a direction along an axis of the box.
 const ALONG: f64 = 1e-9;
 
 impl Body {
     /// Return the shape at time `t` (s) in a box with these ends, m.
     pub(crate) fn shape_at(&self, t: f64, ends: &[[f64; 2]]) -> geometry::Shape {
-        let Some(laws) = self.laws() else { return self.placed([0.0; 3], [], ends) };
-        let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
-        self.placed(displacement, laws.turns().map(|(axis, angle)| (axis, angle.value(t))), ends)
+        self.placed(self.pose_at(t), ends)
     }
 
     /// Return the shape with the pivot at `position` (m) after a turn (rad), in the plane from the x axis and in space
     /// about the vector from rest.
     pub(crate) fn shape_in(&self, position: &[f64], turn: &[f64], ends: &[[f64; 2]]) -> geometry::Shape {
-        let displacement = [0, 1, 2].map(|d| component(position, d) - component(&self.position, d));
-        match *turn {
-            [x, y, z] if norm([x, y, z]) > 0.0 => self.placed(displacement, [([x, y, z], norm([x, y, z]))], ends),
-            [angle] => self.placed(displacement, [(Z, angle - self.angle)], ends),
-            _ => self.placed(displacement, [], ends),
-        }
+        let turn = match *turn {
+            [x, y, z] if norm([x, y, z]) > 0.0 => Some(([x, y, z], norm([x, y, z]))),
+            [angle] => Some((Z_AXIS, angle - self.angle)),
+            _ => None,
+        };
+        self.placed(self.pose(minus(vector(position), vector(&self.position)), turn), ends)
     }
 
     /// Return the axes of the body after turns about axes by angles, rad.
     fn axes(&self, turns: impl IntoIterator<Item = ([f64; 3], f64)>) -> [[f64; 3]; 3] {
-        let by = |v, (axis, angle): ([f64; 3], f64)| turned(v, axis.map(|part| part / norm(axis)), angle);
+        let by = |v, (axis, angle): ([f64; 3], f64)| turned(v, unit(axis), angle);
         let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-        let rest = self.turn.as_ref().map_or((Z, self.angle), |turn| (turn.axis, turn.angle));
+        let rest = self.turn.as_ref().map_or((Z_AXIS, self.angle), |turn| (turn.axis, turn.angle));
         let at_rest = [0, 1, 2].map(|d| by(own(d), rest));
         turns.into_iter().fold(at_rest, |axes, turn| axes.map(|axis| by(axis, turn)))
     }
@@ -212,8 +213,7 @@ impl Body {
     /// Return the axes of the body and their origin, m, at time `t`, s.
     pub fn pose_at(&self, t: f64) -> ([[f64; 3]; 3], [f64; 3]) {
         let Some(laws) = self.laws() else { return self.pose([0.0; 3], []) };
-        let displacement = [&laws.x, &laws.y, &laws.z].map(|law| law.value(t));
-        self.pose(displacement, laws.turns().map(|(axis, angle)| (axis, angle.value(t))))
+        self.pose(laws.displacement(t).0, laws.turns().map(|(axis, angle)| (axis, angle.value(t))))
     }
 
     /// Return the axes of the body and their origin, m, after a displacement (m) and turns about axes by angles, rad.
@@ -224,8 +224,8 @@ impl Body {
     ) -> ([[f64; 3]; 3], [f64; 3]) {
         let axes = self.axes(turns);
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
-        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
-        (axes, [0, 1, 2].map(|d| component(&self.position, d) + displacement[d] - across(pivot, d)))
+        let (position, pivot) = (vector(&self.position), vector(&self.pivot));
+        (axes, [0, 1, 2].map(|d| position[d] + displacement[d] - across(pivot, d)))
     }
 
     /// Return the axes of the body at rest.
@@ -233,14 +233,8 @@ impl Body {
         self.axes([])
     }
 
-    /// Return the shape after a displacement (m) and turns about axes by angles (rad) in a box with these ends, m.
-    fn placed(
-        &self,
-        displacement: [f64; 3],
-        turns: impl IntoIterator<Item = ([f64; 3], f64)>,
-        ends: &[[f64; 2]],
-    ) -> geometry::Shape {
-        let (axes, origin) = self.pose(displacement, turns);
+    /// Return the shape with these axes and their origin, m, in a box with these ends, m.
+    fn placed(&self, (axes, origin): ([[f64; 3]; 3], [f64; 3]), ends: &[[f64; 2]]) -> geometry::Shape {
         let across = |p: [f64; 3], d: usize| dot(p, axes.map(|axis| axis[d]));
         let place = |p: [f64; 3]| [0, 1, 2].map(|d| origin[d] + across(p, d));
         if let Some(outline) = self.shape.outline() {
@@ -252,10 +246,8 @@ impl Body {
             return geometry::Shape::Solid(if self.shape.is_endless() { body.clamped(ends) } else { body });
         }
         if let Some(points) = self.shape.line() {
-            return geometry::Shape::Chain(Chain::uniform(
-                points.iter().map(|[x, y]| place([*x, *y, 0.0])).collect(),
-                0.0,
-            ));
+            let places = points.iter().map(|[x, y]| place([*x, *y, 0.0])).collect();
+            return geometry::Shape::Chain(Chain::uniform(places, 0.0));
         }
         let (nodes, triangles) = self.shape.surface().unwrap_or_default();
         geometry::Shape::Surface(Surface::new(nodes.into_iter().map(place).collect(), triangles))
@@ -271,10 +263,9 @@ impl Check for Body {
             "`motion` moves the body already; remove one of the two".into()
         });
         let Some(motion) = self.laws() else { return };
-        motion.x.check_at(&format!("{key}.motion.x"), faults);
-        motion.y.check_at(&format!("{key}.motion.y"), faults);
-        motion.z.check_at(&format!("{key}.motion.z"), faults);
-        motion.angle.check_at(&format!("{key}.motion.angle"), faults);
+        for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
+            law.check_at(&format!("{key}.motion.{name}"), faults);
+        }
         motion.rotations.check_at(&format!("{key}.motion.rotations"), faults);
     }
 }
@@ -284,10 +275,7 @@ impl Body {
     fn check_passage(&self, key: &str, faults: &mut Faults) {
         let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
         let axis = std::array::from_fn(|d| f64::from(u8::from(d == axis as usize)));
-        let axis = self
-            .turn
-            .as_ref()
-            .map_or(axis, |Turn { axis: about, angle }| turned(axis, about.map(|part| part / norm(*about)), *angle));
+        let axis = self.turn.as_ref().map_or(axis, |turn| turned(axis, turn.unit_axis(), turn.angle));
         let is_oblique = axis.iter().filter(|part| part.abs() > ALONG).count() > 1;
         let mut turns = self.laws().into_iter().flat_map(BodyMotion::turns);
         let leaves =
@@ -313,7 +301,7 @@ impl Body {
     /// Return the volume, m³, and its moments of inertia about the axes of the body through the pivot for a density of 1,
     /// m⁵, in a box with these ends (m); in the plane the area and its moment about z. A line or a surface has none.
     pub(crate) fn displaced(&self, ends: &[[f64; 2]]) -> (f64, [f64; 3]) {
-        let pivot = [0, 1, 2].map(|d| component(&self.pivot, d));
+        let pivot = vector(&self.pivot);
         if let Some(Section { area, centroid, polar }) = self.shape.outline().map(|outline| outline.section()) {
             let arm = (pivot[0] - centroid[0]).powi(2) + (pivot[1] - centroid[1]).powi(2);
             return (area, [0.0, 0.0, polar + area * arm]);

@@ -22,7 +22,6 @@ use mesh::Mesh;
 use method::{Support, Surface};
 use serde::Serialize;
 
-use crate::beam::Beam;
 use crate::body::Body;
 use crate::fluid::{Fluid, InflowProfile};
 use crate::flyer::HingeLaws;
@@ -30,7 +29,6 @@ use crate::law::TimeLaw;
 use crate::law_warnings;
 use crate::layers::layers;
 use crate::mount::Freedom;
-use crate::root::RootMotion;
 use crate::scales::{Scales, fastest, reach_from_axis, scales};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
@@ -432,7 +430,7 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     let mut add = |speed: f64, name: String, frequency| motions.push(motion(speed, name, frequency));
     for own in fluid.obstacles() {
         let Some(motion) = own.body.laws() else { continue };
-        let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
+        let speed = speed(motion.along().map(|law| law.largest_rate()));
         let farthest = |axis| match fluid.is_space() {
             true => reach_from_axis(&own.body, axis, &ends),
             false => own.body.shape.reach([own.body.pivot[0], own.body.pivot[1]]),
@@ -449,10 +447,11 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         let weight = self::speed(body.free_weight(fluid.density, &ends));
         add((2.0 * weight / (fluid.density * area)).sqrt(), format!("fall of body {}", i + 1), None);
     }
-    for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
-        let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };
+    for own in scene.beams_with_rods() {
+        let Some(laws) = own.laws() else { continue };
         let all: Vec<_> = laws.all().collect();
-        let rates = all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length });
+        let rates =
+            all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { own.beam.length });
         add(norm(rates), "drive of the root".into(), first_frequency(&all));
     }
     let farthest = |wing: &Wing| {

@@ -1,5 +1,6 @@
 //! The fluid: box, zones, cylinders and probes.
 
+use geometry::AXES;
 use method::{Filter, Mask, Precision, Surface, TimeScheme, marker_reach};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -386,6 +387,20 @@ impl MiddleBox {
     }
 }
 
+/// Inflow or sponge: a zone along x whose velocity is imposed.
+pub struct Zone<'a> {
+    /// Key in the fluid.
+    pub name: &'static str,
+    /// Ends, m.
+    pub x: [f64; 2],
+    /// Profile across the channel.
+    pub profile: InflowProfile,
+    /// Mean velocity along x, m/s.
+    pub mean_velocity: &'a TimeLaw,
+    /// Relaxation time, s.
+    pub c_eta: f64,
+}
+
 impl MeanFlow {
     /// Return the laws along x, y and z.
     pub(crate) fn laws(&self) -> [(&'static str, &TimeLaw); 3] {
@@ -405,6 +420,35 @@ impl Fluid {
         self.r#box.spacing().into_iter().map(|cell| cell / ratio).collect()
     }
 
+    /// Return the largest length of a cell at the bodies, m.
+    pub fn largest_cell(&self) -> f64 {
+        self.spacing().into_iter().fold(0.0, f64::max)
+    }
+
+    /// Return the walls of the channel across each axis, m.
+    pub fn walls(&self) -> [Option<[f64; 2]>; 3] {
+        self.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z])
+    }
+
+    /// Return inflow and sponge.
+    pub fn zones(&self) -> [Option<Zone<'_>>; 2] {
+        let inflow = self.inflow.as_ref().map(|&Inflow { x, profile, ref mean_velocity, c_eta }| Zone {
+            name: "inflow",
+            x,
+            profile,
+            mean_velocity,
+            c_eta,
+        });
+        let sponge = self.sponge.as_ref().map(|&Sponge { x, profile, ref mean_velocity, c_eta }| Zone {
+            name: "sponge",
+            x,
+            profile,
+            mean_velocity,
+            c_eta,
+        });
+        [inflow, sponge]
+    }
+
     /// Return the cells in a large one around the fine box: those of the middle box, or one.
     fn cells_around_fine_box(&self) -> usize {
         self.middle_box.as_ref().map_or(1, |middle| middle.ratio)
@@ -417,11 +461,10 @@ impl Fluid {
 
     /// Return how far beyond its shape at rest a part, which may be a beam, drags the fluid, m.
     pub(crate) fn reach(&self, rest: &geometry::Shape, beam: Option<&Beam>) -> f64 {
-        let (spacing, is_thin) =
-            (self.spacing(), matches!(rest, geometry::Shape::Chain(_) | geometry::Shape::Surface(_)));
-        let cell = spacing.iter().copied().fold(0.0, f64::max);
+        let cell = self.largest_cell();
+        let is_thin = matches!(rest, geometry::Shape::Chain(_) | geometry::Shape::Surface(_));
         if beam.map_or(is_thin, |beam| beam.surface == Surface::Line) {
-            marker_reach(spacing.len()) as f64 * cell - 0.5 * beam.map_or(0.0, Beam::largest_thickness)
+            marker_reach(self.r#box.cells.len()) as f64 * cell - 0.5 * beam.map_or(0.0, Beam::largest_thickness)
         } else {
             self.mask.reach(self.kinematic_viscosity, cell)
         }
@@ -432,15 +475,13 @@ impl Fluid {
     pub(crate) fn advection_rate(&self) -> f64 {
         let spacing = self.spacing();
         let rate = |(spacing, velocity): (&f64, f64)| velocity.abs() / spacing;
-        let along_x = |law: &TimeLaw| rate((&spacing[0], law.largest()));
         let initial: f64 = spacing.iter().zip(self.initial_velocity.iter().copied()).map(rate).sum();
         let mean = self
             .mean_flow
             .as_ref()
             .map_or(0.0, |flow| spacing.iter().zip(flow.laws().map(|(_, law)| law.largest())).map(rate).sum());
-        let inflow = self.inflow.as_ref().map_or(0.0, |inflow| along_x(&inflow.mean_velocity));
-        let sponge = self.sponge.as_ref().map_or(0.0, |sponge| along_x(&sponge.mean_velocity));
-        initial.max(mean).max(inflow).max(sponge)
+        let zones = self.zones().into_iter().flatten().map(|zone| rate((&spacing[0], zone.mean_velocity.largest())));
+        zones.fold(initial.max(mean), f64::max)
     }
 }
 
@@ -506,7 +547,7 @@ impl Fluid {
         // Lines are transformed in blocks of columns, in space of rows.
         let (axis, least) = (axes - 2, self.precision.fewest_columns());
         faults.require(cells[axis] >= least, &format!("{key}.cells[{axis}]"), cells[axis], || {
-            format!("single precision needs at least {least} cells along {}", ["x", "y"][axis])
+            format!("single precision needs at least {least} cells along {}", AXES[axis])
         });
     }
 
@@ -554,7 +595,7 @@ impl Fluid {
         });
         let scheme = self.time_stepping.scheme;
         faults.require(scheme == TimeScheme::Sbdf2, key, "with the scheme rk2", || "use sbdf2".into());
-        let axes = ["x", "y", "z"].into_iter().zip(fine.ends()).zip(self.r#box.ends());
+        let axes = AXES.into_iter().zip(fine.ends()).zip(self.r#box.ends());
         for ((name, own), large) in axes {
             let key = format!("{key}.{name}");
             if faults.interval(&key, own) {
@@ -565,9 +606,8 @@ impl Fluid {
         if faults.len() > known {
             return;
         }
-        let walls = self.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
-        let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(walls);
-        for (name, (([_, cells], own), walls)) in ["x", "y", "z"].into_iter().zip(places) {
+        let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(self.walls());
+        for (name, (([_, cells], own), walls)) in AXES.into_iter().zip(places) {
             let key = format!("{key}.{name}");
             let (cells, around) = (cells * between, if between > 1 { "middle" } else { "large" });
             faults.require(cells >= LEAST_CELLS_OF_FINE_BOX, &key, format!("{own:?}"), || {
@@ -576,8 +616,7 @@ impl Fluid {
             let between = walls.is_none_or(|[low, high]| low <= own[0] && own[1] <= high);
             faults.require(between, &key, format!("{own:?}"), || format!("it must lie between the walls at {walls:?}"));
         }
-        let inflow = self.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
-        for (name, zone) in inflow.into_iter().chain(self.sponge.as_ref().map(|sponge| ("sponge", sponge.x))) {
+        for Zone { name, x: zone, .. } in self.zones().into_iter().flatten() {
             let apart = fine.x[1] <= zone[0] || zone[1] <= fine.x[0];
             faults.require(apart, &format!("{key}.x"), format!("{:?}", fine.x), || {
                 format!("it must not reach into the {name}, {zone:?}")
@@ -594,14 +633,6 @@ impl Fluid {
                 });
             }
         };
-        let possible = |faults: &mut Faults, key: String, profile: InflowProfile| {
-            let possible =
-                profile != InflowProfile::Parabolic || self.channel.as_ref().is_some_and(|own| own.y.is_some());
-            faults.require(possible, &key, "parabolic", || match self.channel {
-                None => "a parabola needs a `channel`".into(),
-                Some(_) => format!("a parabola needs `{channel_key}.y`"),
-            });
-        };
         if let Some(channel) = &self.channel {
             let Channel { x, y, z } = *channel;
             faults.forbid(z.is_some() && !self.is_space(), &format!("{channel_key}.z"), || {
@@ -617,15 +648,14 @@ impl Fluid {
                 walls.for_each(|(walls, ends)| within(faults, format!("{channel_key}.{axis}"), walls, ends));
             }
         }
-        if let Some(inflow) = &self.inflow {
-            within(faults, format!("{key}.inflow.x"), inflow.x, self.r#box.x);
-            inflow.mean_velocity.check_at(&format!("{key}.inflow.mean_velocity"), faults);
-            possible(faults, format!("{key}.inflow.profile"), inflow.profile);
-        }
-        if let Some(sponge) = &self.sponge {
-            within(faults, format!("{key}.sponge.x"), sponge.x, self.r#box.x);
-            sponge.mean_velocity.check_at(&format!("{key}.sponge.mean_velocity"), faults);
-            possible(faults, format!("{key}.sponge.profile"), sponge.profile);
+        for Zone { name, x, profile, mean_velocity, .. } in self.zones().into_iter().flatten() {
+            within(faults, format!("{key}.{name}.x"), x, self.r#box.x);
+            mean_velocity.check_at(&format!("{key}.{name}.mean_velocity"), faults);
+            let possible = profile != InflowProfile::Parabolic || self.walls()[1].is_some();
+            faults.require(possible, &format!("{key}.{name}.profile"), "parabolic", || match self.channel {
+                None => "a parabola needs a `channel`".into(),
+                Some(_) => format!("a parabola needs `{channel_key}.y`"),
+            });
         }
         let is_free = self.inflow.is_none() && self.mean_flow.is_none();
         faults.forbid(self.gust.is_some() && is_free, &format!("{key}.gust"), || {

@@ -182,6 +182,12 @@ impl Table {
     }
 }
 
+/// Return the values of laws along each axis at time `t` (s), and their rates.
+pub(crate) fn values_and_rates(laws: [&TimeLaw; 3], t: f64) -> ([f64; 3], [f64; 3]) {
+    let both = laws.map(|law| law.value_and_rate(t));
+    (both.map(|(value, _)| value), both.map(|(_, rate)| rate))
+}
+
 impl Default for TimeLaw {
     /// Return 0 at all times.
     fn default() -> Self {

@@ -4,14 +4,14 @@
 
 use std::f64::consts::PI;
 
+use geometry::AXES;
 use method::Precision;
 
-use crate::body::BodyMotion;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
 use crate::mount::Freedom;
 use crate::places::rounded;
-use crate::root::{RootLaws, RootMotion, RootSupport};
+use crate::root::RootSupport;
 use crate::scene::Scene;
 use crate::warning::Warning;
 
@@ -81,19 +81,15 @@ pub(crate) fn of_drag(fluid: &Fluid, step: f64, passage: Option<f64>) -> Option<
 /// Call `see` with every law of a scene and its key.
 fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     if let Some(fluid) = &scene.fluid {
-        let zones = [
-            ("inflow", fluid.inflow.as_ref().map(|zone| &zone.mean_velocity)),
-            ("sponge", fluid.sponge.as_ref().map(|zone| &zone.mean_velocity)),
-        ];
-        for (name, law) in zones.into_iter().filter_map(|(name, law)| Some((name, law?))) {
-            see(format!("fluid.{name}.mean_velocity"), law);
+        for zone in fluid.zones().into_iter().flatten() {
+            see(format!("fluid.{}.mean_velocity", zone.name), zone.mean_velocity);
         }
         for (name, law) in fluid.mean_flow.iter().flat_map(|mean| mean.laws()) {
             see(format!("fluid.mean_flow.{name}"), law);
         }
         for own in fluid.obstacles() {
-            let Some(BodyMotion { x, y, z, angle, .. }) = own.body.laws() else { continue };
-            for (name, law) in [("x", x), ("y", y), ("z", z), ("angle", angle)] {
+            let Some(motion) = own.body.laws() else { continue };
+            for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
                 see(format!("{}.motion.{name}", own.key), law);
             }
         }
@@ -101,11 +97,11 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     for own in scene.beams_with_rods() {
         let Some(rod) = own.rod else { continue };
         let key = format!("{}rod", own.key());
-        if let Some(RootMotion::Laws(RootLaws { x, y, z, rotations })) = &rod.root_motion {
-            for (name, law) in [("x", x), ("y", y), ("z", z)] {
+        if let Some(laws) = rod.laws() {
+            for (name, law) in AXES.into_iter().zip(laws.along()) {
                 see(format!("{key}.root_motion.laws.{name}"), law);
             }
-            for (i, turn) in rotations.iter().enumerate() {
+            for (i, turn) in laws.rotations.iter().enumerate() {
                 see(format!("{key}.root_motion.laws.rotations[{i}].angle"), &turn.angle);
             }
         }

@@ -8,7 +8,6 @@ use geometry::vector::dot;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
 use crate::places::rounded;
-use crate::root::RootMotion;
 use crate::scales::{Scales, thin_normal};
 use crate::scene::Scene;
 use crate::warning::Warning;
@@ -34,7 +33,7 @@ const LIFTS: f64 = 0.1;
 
 /// Return the warnings about the layers of a scene, whose bodies have `scales` in a flow of `speed` (m/s).
 pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], speed: Option<f64>) -> Vec<Warning> {
-    let cell = fluid.spacing().into_iter().fold(0.0, f64::max);
+    let cell = fluid.largest_cell();
     let nu = fluid.kinematic_viscosity;
     let mut found = Vec::new();
     let mut moves = |key: String, laws: Vec<&TimeLaw>, least: f64| {
@@ -46,7 +45,7 @@ pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], 
         }
     }
     for own in scene.beams_with_rods() {
-        if let Some(RootMotion::Laws(laws)) = own.rod.and_then(|rod| rod.root_motion.as_ref()) {
+        if let Some(laws) = own.laws() {
             moves(format!("{}rod.root_motion", own.key()), laws.all().collect(), OF_ROOT);
         }
     }

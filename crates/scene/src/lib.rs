@@ -50,9 +50,10 @@ mod wing;
 mod wing_checks;
 mod wings;
 
+pub use ::geometry::AXES;
 pub use ::method::{
-    Axis, Bending, Calibration, Filter, Mask, Precision, Scheme as RodScheme, Section, Slide, Support, Surface,
-    TimeScheme, WallCorrection,
+    Axis, Bending, Calibration, Filter, LINE_THICKNESS_CELLS, Mask, Precision, ROD_RADIUS_CELLS, ROD_SECTION_CELLS,
+    SURFACE_THICKNESS_CELLS, Scheme as RodScheme, Section, Slide, Support, Surface, TimeScheme, WallCorrection,
 };
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Turn};
@@ -63,7 +64,7 @@ pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts
 pub use fault::{Fault, FaultKind, SceneError};
 pub use fluid::{
     Channel, Cylinder, FINE_BOX_RIM_CELLS, FineBox, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, MiddleBox,
-    Motion, Probe, Sponge,
+    Motion, Probe, Sponge, Zone,
 };
 pub use flyer::{Flyer, FlyerHinge, FlyerSpring, FreedomName, HingeDrive, HingeLaws};
 pub use law::TimeLaw;
@@ -80,7 +81,6 @@ pub use scene::{BeamWithRod, Display, Followed, Scene, Time, WingOfScene};
 pub use shape::{Ends, Shape};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use stepping::TimeStepping;
-pub use surface::{LINE_THICKNESS_CELLS, ROD_RADIUS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warning::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingDrive, WingGroup, WingMesh, WingSupport};
 pub use wings::NamedWing;

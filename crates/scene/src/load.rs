@@ -74,12 +74,12 @@ impl Scene {
     /// Return the rod and place of least mass relative to the displaced fluid; of equal ones a free rod.
     pub(crate) fn lightest(&self) -> Option<Weight> {
         let fluid = self.fluid.as_ref()?;
-        let rods = self.beams_with_rods().filter_map(|own| Some((own.name, own.beam, own.rod?)));
+        let rods = self.beams_with_rods().filter_map(|own| Some((own.in_sentence(), own.beam, own.rod?)));
         let weights = rods.flat_map(|(name, beam, rod)| {
             let (material, thickness) = (&rod.material, &beam.thickness);
             let (line, displaced) = (beam.surface == Surface::Line, self.displaced(fluid, beam, rod));
             beam.places().map(move |s| Weight {
-                name: name.map_or(String::new(), |name| format!(" `{name}`")),
+                name: name.clone(),
                 own: material.section(thickness, s).line_density,
                 displaced: displaced(s),
                 line,

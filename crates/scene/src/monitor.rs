@@ -4,12 +4,12 @@
 use std::collections::BTreeMap;
 
 use geometry::vector::{minus, norm};
-use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond, near_pairs};
+use geometry::{AXES, Bounds, Chain, Crossings, Shape, Surface, Touch, beyond, near_pairs};
 use serde::{Deserialize, Serialize};
 
 use crate::beam::Beam;
 use crate::fluid::Fluid;
-use crate::places::{AXES, blocked, rounded, shown, walls, zones};
+use crate::places::{blocked, rounded, shown, walls, zones};
 use crate::read::kept;
 use crate::scene::Scene;
 use crate::warning::Warning;

@@ -1,6 +1,6 @@
 //! Places of bodies, beams and zones that no scene can mean. What may be meant is a [warning](crate::warnings).
 
-use geometry::{Chain, Shape, Surface, beyond, crosses, sides};
+use geometry::{AXES, Chain, Shape, Surface, beyond, crosses, sides};
 
 use crate::beam::{Beam, Root};
 use crate::fault::{Fault, Faults};
@@ -288,13 +288,9 @@ fn misplaced(fluid: &Fluid, shape: &Shape, what: &str) -> Option<String> {
     Some(format!("most of the {what} lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
 }
 
-/// Names of the axes.
-pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
-
 /// Return the walls of the channel, m, by the number of the axis across them.
 pub(crate) fn walls(fluid: &Fluid) -> Vec<(usize, [f64; 2])> {
-    let Some(channel) = &fluid.channel else { return Vec::new() };
-    [channel.x, channel.y, channel.z].into_iter().enumerate().filter_map(|(axis, ends)| Some((axis, ends?))).collect()
+    fluid.walls().into_iter().enumerate().filter_map(|(axis, ends)| Some((axis, ends?))).collect()
 }
 
 /// Return what a body with this shape stops by leaving no way around it.
@@ -373,7 +369,7 @@ fn passage(fluid: &Fluid, line: &Line, key: &str, shape: &Shape) -> Option<Fault
         Shape::Outline(_) | Shape::Solid(_) => (),
     }
     let is_cylinder = key.starts_with("fluid.cylinders");
-    let cell = fluid.spacing().into_iter().fold(0.0, f64::max);
+    let cell = fluid.largest_cell();
     let deep = cell.min(shape.thickness() / 4.0);
     let inside = |p: &[f64; 3]| shape.distance(*p) < -deep;
     // A root may be embedded in a body, and a beam may begin at the surface of any.

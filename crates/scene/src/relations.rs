@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use geometry::AXES;
 use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
 
 use crate::beam::{Beam, Root};
@@ -13,7 +14,7 @@ use crate::law::TimeLaw;
 use crate::load::Weight;
 use crate::places;
 use crate::rod::{Material, Rod};
-use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
+use crate::root::{RootLaws, RootSupport, Rotation, Z_AXIS};
 use crate::scene::{BeamWithRod, Display, Scene, Time};
 use crate::stepping::TimeStepping;
 use crate::wing::WingMesh;
@@ -193,7 +194,7 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
     faults.require(fits, &format!("{key}rod.calibration"), "thesis", || {
         "a rod that varies along its span needs second_order".into()
     });
-    if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
+    if let (2, Some(laws)) = (dimension, rod.laws()) {
         check_planar_motion(laws, &format!("{key}rod.root_motion.laws"), faults);
     }
     let (length, longest) = (rod.clamp_compliance_length, own.beam.length);
@@ -214,12 +215,8 @@ fn check_slide(rod: &Rod, beam: &Beam, dimension: usize, key: &str, faults: &mut
     faults.forbid(free, &at("slide"), || "a free root has no guide".into());
     let on_cylinder = matches!(beam.root, Root::OnCylinder { .. });
     faults.forbid(on_cylinder, &at("slide"), || "the beam is attached to a cylinder".into());
-    if let Some(RootMotion::Laws(laws)) = &rod.root_motion {
-        let (law, name) = match along {
-            Axis::X => (&laws.x, "x"),
-            Axis::Y => (&laws.y, "y"),
-            Axis::Z => (&laws.z, "z"),
-        };
+    if let Some(laws) = rod.laws() {
+        let (law, name) = (laws.along()[along as usize], AXES[along as usize]);
         faults.forbid(*law != TimeLaw::default(), &at(&format!("root_motion.laws.{name}")), || {
             format!("the root moves freely along {name}: `{key}.slide`")
         });
@@ -246,7 +243,7 @@ fn check_support(rod: &Rod, beam: &Beam, dimension: usize, key: &str, faults: &m
     let (name, has_clamp) = match &rod.root {
         RootSupport::Clamped => return,
         RootSupport::Pinned => {
-            let turns = matches!(&rod.root_motion, Some(RootMotion::Laws(laws)) if !laws.rotations.is_empty());
+            let turns = rod.laws().is_some_and(|laws| !laws.rotations.is_empty());
             faults.forbid(turns, &at("root_motion.laws.rotations"), || "a pinned root has no direction".into());
             ("pinned", false)
         }

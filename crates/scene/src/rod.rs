@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
-use crate::root::{RootMotion, RootSupport};
+use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::spanwise::Spanwise;
 
 /// Elastic model of the beam.
@@ -127,13 +127,20 @@ impl Material {
     }
 }
 
+impl Rod {
+    /// Return the laws of the root's motion, where laws move it.
+    pub(crate) fn laws(&self) -> Option<&RootLaws> {
+        if let Some(RootMotion::Laws(laws)) = &self.root_motion { Some(laws) } else { None }
+    }
+}
+
 impl Check for Rod {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         if let Material::Section(section) = &self.material {
             section.check_at(&format!("{key}.material.section"), faults);
         }
         self.root.check_at(&format!("{key}.root"), faults);
-        if let Some(RootMotion::Laws(laws)) = &self.root_motion {
+        if let Some(laws) = self.laws() {
             laws.check_at(&format!("{key}.root_motion.laws"), faults);
         }
     }

@@ -2,12 +2,13 @@
 
 use std::f64::consts::PI;
 
-use geometry::vector::{cross, minus, norm, turned};
+use geometry::AXES;
+use geometry::vector::{cross, minus, turned, unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
-use crate::law::TimeLaw;
+use crate::law::{TimeLaw, values_and_rates};
 
 /// Support of the root of a rod.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -97,15 +98,19 @@ fn z_axis() -> [f64; 3] {
 }
 
 impl RootLaws {
+    /// Return the laws of the displacement along each axis.
+    pub(crate) fn along(&self) -> [&TimeLaw; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
     /// Return all laws: of the displacement, then of the rotations.
     pub(crate) fn all(&self) -> impl Iterator<Item = &TimeLaw> {
-        [&self.x, &self.y, &self.z].into_iter().chain(self.rotations.iter().map(|turn| &turn.angle))
+        self.along().into_iter().chain(self.rotations.iter().map(|turn| &turn.angle))
     }
 
     /// Return displacement, m, and velocity, m/s, at time `t` (s).
     pub fn displacement(&self, t: f64) -> ([f64; 3], [f64; 3]) {
-        let [x, y, z] = [&self.x, &self.y, &self.z].map(|law| law.value_and_rate(t));
-        ([x.0, y.0, z.0], [x.1, y.1, z.1])
+        values_and_rates(self.along(), t)
     }
 
     /// Return the function from the place of a point at rest to that at time `t` (s), m, if it moves with the base and
@@ -139,7 +144,7 @@ pub(crate) fn turned_at_rate(
 
 impl Rotation {
     fn unit_axis(&self) -> [f64; 3] {
-        self.axis.map(|part| part / norm(self.axis))
+        unit(self.axis)
     }
 }
 
@@ -162,7 +167,7 @@ impl Check for RootSupport {
 
 impl Check for RootLaws {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        for (name, law) in [("x", &self.x), ("y", &self.y), ("z", &self.z)] {
+        for (name, law) in AXES.into_iter().zip(self.along()) {
             law.check_at(&format!("{key}.{name}"), faults);
         }
         self.rotations.check_at(&format!("{key}.rotations"), faults);

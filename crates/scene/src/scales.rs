@@ -13,13 +13,13 @@
 //! drag. Where none of these exists, lift is along the own axis after the one nearest to the drag. Side completes a
 //! right-handed system. So all turn with body and stream.
 
-use geometry::vector::{cross, dot, minus, norm, turned};
+use geometry::vector::{cross, dot, minus, norm, unit};
 use mesh::Mesh;
 use serde::Serialize;
 
 use crate::body::Body;
 use crate::reference_scales::{ACROSS, ReferenceScales, vector};
-use crate::root::{RootLaws, RootMotion};
+use crate::root::RootLaws;
 use crate::scene::{BeamWithRod, Scene};
 use crate::shape::{areas, extents};
 use crate::wing::Wing;
@@ -118,19 +118,10 @@ fn mean_chord(sized: &Sized, stream: [f64; 3]) -> f64 {
     sized.area / chord_and_span(sized, stream)[1]
 }
 
-/// Return the own axes of a body before its motion.
-fn own_axes(body: &Body) -> [[f64; 3]; 3] {
-    let own = |d: usize| std::array::from_fn(|e| f64::from(u8::from(d == e)));
-    [0, 1, 2].map(|d| match &body.turn {
-        Some(turn) => turned(own(d), turn.axis.map(|part| part / norm(turn.axis)), turn.angle),
-        None => turned(own(d), own(2), body.angle),
-    })
-}
-
 /// Return the distance from an `axis` through the pivot of a body in space to its farthest node, corner or end of an own
 /// axis, m.
 pub(crate) fn reach_from_axis(body: &Body, axis: [f64; 3], ends: &[[f64; 2]]) -> f64 {
-    let axes = own_axes(body);
+    let axes = body.axes_at_rest();
     let distance = |point: [f64; 3]| {
         let arm = minus(point, vector(&body.pivot));
         let arm: [f64; 3] = std::array::from_fn(|e| (0..3).map(|d| arm[d] * axes[d][e]).sum());
@@ -140,11 +131,8 @@ pub(crate) fn reach_from_axis(body: &Body, axis: [f64; 3], ends: &[[f64; 2]]) ->
 }
 
 fn of_body(body: &Body, ends: &[[f64; 2]], end: f64) -> Sized {
-    let axes = own_axes(body);
-    let motion = body.laws().and_then(|laws| {
-        let rates = |t: f64| [&laws.x, &laws.y, &laws.z].map(|law| law.value_and_rate(t).1);
-        direction(fastest(rates, end))
-    });
+    let axes = body.axes_at_rest();
+    let motion = body.laws().and_then(|laws| direction(fastest(|t| laws.displacement(t).1, end)));
     let turns = body.laws().is_some_and(|laws| laws.turns().any(|(_, angle)| angle.largest_rate() > 0.0));
     let (sides, area) = body.shape.sides(ends);
     Sized { axes, sides, area, heading: motion.filter(|_| !turns).unwrap_or(axes[0]), motion, turn: None }
@@ -155,13 +143,9 @@ fn of_beam(scene: &Scene, own: &BeamWithRod) -> Sized {
     let beam = own.beam;
     let n = beam.segments;
     let mean = (0..n).map(|i| beam.thickness.at((i as f64 + 0.5) / n as f64)).sum::<f64>() / n as f64;
-    let laws = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
-        Some(RootMotion::Laws(laws)) => Some(laws),
-        _ => None,
-    };
-    let (motion, _) = of_laws(laws, scene.time.end, heading);
+    let (motion, _) = of_laws(own.laws(), scene.time.end, heading);
     let across = cross(if heading[2].abs() < 0.9 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] }, heading);
-    let across = across.map(|part| part / norm(across));
+    let across = unit(across);
     Sized {
         axes: [heading, across, cross(heading, across)],
         sides: [beam.length, mean, mean],
@@ -221,13 +205,13 @@ fn directions(
 ) -> [[f64; 3]; 3] {
     let given = |own: &Option<Vec<f64>>| Some(vector(own.as_ref()?));
     let drag = chosen.and_then(|own| given(&own.drag)).or(stream).unwrap_or(sized.heading);
-    let drag = drag.map(|part| part / norm(drag));
+    let drag = unit(drag);
     let across = |v: [f64; 3]| -> Option<[f64; 3]> {
         let along = dot(v, drag);
         let part: [f64; 3] = std::array::from_fn(|d| v[d] - along * drag[d]);
         // Rounding of an axis across the drag is no part of it.
         let part = part.map(|c| if c.abs() < 1e-12 * norm(v) { 0.0 } else { c });
-        (norm(part) > ACROSS * norm(v)).then(|| part.map(|c| c / norm(part)))
+        (norm(part) > ACROSS * norm(v)).then(|| unit(part))
     };
     let along = sized.axes.map(|axis| dot(axis, drag).abs());
     let nearest = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b]).then(b.cmp(a))).unwrap_or(0);
@@ -260,6 +244,6 @@ pub(crate) fn thin_normal(body: &Body) -> Option<[f64; 3]> {
     let areas = areas(&nodes, &triangles);
     let sum = areas.iter().fold([0.0; 3], |sum, area| std::array::from_fn(|d| sum[d] + area[d]));
     let is_flat = norm(sum) > FLAT * areas.iter().map(|area| norm(*area)).sum::<f64>();
-    let axes = own_axes(body);
+    let axes = body.axes_at_rest();
     is_flat.then(|| std::array::from_fn(|e| (0..3).map(|d| sum[d] * axes[d][e]).sum::<f64>() / norm(sum)))
 }

@@ -11,6 +11,7 @@ use crate::flyer::Flyer;
 use crate::reference::Reference;
 use crate::rod::Rod;
 use crate::rods::NamedRod;
+use crate::root::RootLaws;
 use crate::stepping::TimeStepping;
 use crate::wing::Wing;
 use crate::wings::NamedWing;
@@ -122,7 +123,17 @@ pub struct BeamWithRod<'a> {
     pub rod: Option<&'a Rod>,
 }
 
-impl BeamWithRod<'_> {
+impl<'a> BeamWithRod<'a> {
+    /// Return the laws of the root's motion, where laws move it.
+    pub(crate) fn laws(&self) -> Option<&'a RootLaws> {
+        self.rod?.laws()
+    }
+
+    /// Return the name of a rod in a sentence, with a space in front; empty for the only rod.
+    pub(crate) fn in_sentence(&self) -> String {
+        self.name.map_or(String::new(), |name| format!(" `{name}`"))
+    }
+
     /// Return the name of the fluid's forces on the beam: `beam`, or `beam_1` and so on.
     pub fn force_name(&self) -> String {
         self.number.map_or("beam".into(), |number| format!("beam_{number}"))

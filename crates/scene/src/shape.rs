@@ -260,13 +260,7 @@ impl Shape {
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
             Self::Plate { length, width } => [width.map_or(*length, |width| width.max(*length)), 0.0],
             Self::Disk { radius } => [2.0 * radius, 0.0],
-            Self::Triangulation { nodes, .. } => {
-                let side = |axis: usize| {
-                    let along = nodes.iter().map(|node| node[axis]);
-                    along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-                };
-                [(0..3).map(side).fold(0.0, f64::max), 0.0]
-            }
+            Self::Triangulation { nodes, .. } => [extents(nodes).into_iter().fold(0.0, f64::max), 0.0],
             Self::Polygon { corners } | Self::Polyline { points: corners } => {
                 let distances =
                     corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));

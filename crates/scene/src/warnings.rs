@@ -3,7 +3,7 @@
 
 use std::iter;
 
-use geometry::{Shape, Surface, Touch, beyond};
+use geometry::{AXES, Shape, Surface, Touch, beyond};
 
 use crate::beam::Beam;
 use crate::body::{Body, BodyMotion};
@@ -13,8 +13,8 @@ use crate::flyer::Flyer;
 use crate::law::TimeLaw;
 use crate::monitor::{Monitor, Part};
 use crate::mount::Freedom;
-use crate::places::{self, AXES, Line, rounded, shown, three_digits};
-use crate::root::{RootLaws, RootMotion, RootSupport};
+use crate::places::{self, Line, rounded, shown, three_digits};
+use crate::root::{RootLaws, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
 use crate::wing_checks;
@@ -126,10 +126,7 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
         motion: Motion::Body(Box::new(body)),
     };
     let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
-        let laws = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
-            Some(RootMotion::Laws(laws)) => Some(laws),
-            _ => None,
-        };
+        let laws = own.laws();
         let Line { key, nodes, chain, .. } = line;
         let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", Some(own.beam));
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
@@ -365,9 +362,7 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
         Motion::Body(body) => body
             .laws()
             .into_iter()
-            .flat_map(|motion| {
-                iter::once([&motion.x, &motion.y, &motion.z][across]).chain(motion.turns().map(|(_, angle)| angle))
-            })
+            .flat_map(|motion| iter::once(motion.along()[across]).chain(motion.turns().map(|(_, angle)| angle)))
             .collect(),
         _ => Vec::new(),
     });
@@ -417,8 +412,7 @@ fn weight(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     } else {
         return None;
     };
-    let name = own.name.map_or(String::new(), |name| format!(" `{name}`"));
-    let g = three_digits(g);
+    let (name, g) = (own.in_sentence(), three_digits(g));
     let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {g} m/s², {effect}");
     Some(Warning { key, time: None, text })
 }

@@ -7,7 +7,7 @@ use structure::{Scheme, check_scheme, not_negative, positive};
 use crate::contact::Contact;
 use crate::geometry::refused;
 use crate::section::Section;
-use crate::{Error, Wing, twist};
+use crate::{Error, Wing};
 
 /// Material of a region of the membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -213,7 +213,7 @@ impl Parameters {
             if !vein.diameter.is_empty() {
                 Error::check_length(name("diameter"), vein.diameter.len(), vein.nodes.len())?;
             }
-            twist::check(vein, &self.mesh)?;
+            check_torsion(vein, &self.mesh)?;
             for (i, &ratio) in vein.diameter.iter().enumerate() {
                 positive(name(&format!("diameter[{i}]")), ratio)?;
             }
@@ -236,5 +236,20 @@ impl Parameters {
             Some(k) => Err(Error::value(format!("mesh.nodes[{k}]"), "in no triangle and no vein", "part of the wing")),
             None => Ok(()),
         }
+    }
+}
+
+/// Refuse a vein with torsion that has no bending stiffness or a node twice.
+fn check_torsion(vein: &Vein, mesh: &Mesh) -> Result<(), Error> {
+    let name = |key: &str| format!("veins.{}.{key}", vein.name);
+    if vein.torsional_stiffness > 0.0 && vein.bending_stiffness == 0.0 {
+        return Err(Error::value(name("bending_stiffness"), 0.0, "above 0, as the vein has torsion"));
+    }
+    let mut seen = vec![false; mesh.nodes.len()];
+    match vein.nodes.iter().find(|k| std::mem::replace(&mut seen[**k], true)) {
+        Some(&k) if vein.torsional_stiffness > 0.0 => {
+            Err(Error::value(name("nodes"), k, "once in the vein: one with torsion does not cross itself"))
+        }
+        _ => Ok(()),
     }
 }

@@ -15,7 +15,7 @@
 
 use std::collections::HashMap;
 
-use mesh::{Mesh, MeshEdge};
+use mesh::MeshEdge;
 use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
 use structure::{Motion, StepRule};
@@ -522,20 +522,5 @@ impl Twists {
             let ((a, row, one), (b, column, other)) = (place(i), place(j));
             blocks[a][b][(row, column)] * one * other
         }))
-    }
-}
-
-/// Refuse a vein with torsion that has no bending stiffness or a node twice.
-pub(crate) fn check(vein: &Vein, mesh: &Mesh) -> Result<(), Error> {
-    let name = |key: &str| format!("veins.{}.{key}", vein.name);
-    if vein.torsional_stiffness > 0.0 && vein.bending_stiffness == 0.0 {
-        return Err(Error::value(name("bending_stiffness"), 0.0, "above 0, as the vein has torsion"));
-    }
-    let mut seen = vec![false; mesh.nodes.len()];
-    match vein.nodes.iter().find(|k| std::mem::replace(&mut seen[**k], true)) {
-        Some(&k) if vein.torsional_stiffness > 0.0 => {
-            Err(Error::value(name("nodes"), k, "once in the vein: one with torsion does not cross itself"))
-        }
-        _ => Ok(()),
     }
 }

@@ -1,11 +1,9 @@
 """Columns of one of several rods, or of a wing, under the names of a single rod."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from nervure.evaluate.statistics import Series
-from nervure.scene import Own
+from nervure.scene import Own, Scene, beams
 
 
 def rod_columns(series: Series, own: Own) -> Series:
@@ -14,17 +12,18 @@ def rod_columns(series: Series, own: Own) -> Series:
     return _columns(series, own.prefix, own.force) if own.prefix else series
 
 
-def columns_of_wings(series: Series, names: Sequence[str]) -> dict[str, Series]:
-    """Return the same of several wings by name. On a flyer a tip moves against the root."""
-    found: dict[str, Series] = {}
-    for number, name in enumerate(names, 1):
-        own = dict(_columns(series, f"{name}_", f"wing_{number}"))
+def columns_of_units(series: Series, scene: Scene) -> dict[str, tuple[str, Series]]:
+    """Return by unit the name that the fluid has for each wing and rod, and its columns. On a flyer a tip moves against
+    the root."""
+    found = {"wing": ("wing", wing_columns(series))} if scene.wing else {}
+    for number, name in enumerate((wing.name for wing in scene.wings), 1):
+        columns = dict(_columns(series, f"{name}_", f"wing_{number}"))
         for axis in "xyz":
             root = series.get(f"body_{name}_root_{axis}", np.zeros(1))
-            for tip in {f"tip_u{axis}", f"rigid_tip_u{axis}"} & own.keys():
-                own[tip] = own[tip] - (root - root[0])
-        found[name] = own
-    return found
+            for tip in {f"tip_u{axis}", f"rigid_tip_u{axis}"} & columns.keys():
+                columns[tip] = columns[tip] - (root - root[0])
+        found[name] = f"wing_{number}", columns
+    return found | {own.unit: (own.force, rod_columns(series, own)) for own in beams(scene)}
 
 
 def _columns(series: Series, prefix: str, force: str) -> Series:

@@ -37,6 +37,12 @@ def station_positions(units: dict[str, Unit], own: Own) -> np.ndarray:
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
 
 
+def fine_box(fluid: Unit) -> list[float]:
+    """Return the lower ends of a fine box that moves, m; none without one."""
+    names = [name for axis in "xyz" if (name := f"{FINE_BOX}.{axis}") in fluid.variables]
+    return [float(fluid.read(name)[0]) for name in names]
+
+
 def wing_nodes(session: Session) -> np.ndarray:
     """Return the present positions of the nodes of all wings, `[n, 3]`."""
     units = [session.units[name] for name in wings(session.scene)]
@@ -200,8 +206,7 @@ class Grid(Series):
         if FINE in self.file:
             self._write(self.file[FINE], frame, f"{FINE}.")
         if FINE_BOX in self.file:
-            axes = "xyz"[: self.file[FINE_BOX].shape[1]]
-            self.file[FINE_BOX][frame] = [float(self.fluid.read(f"{FINE_BOX}.{axis}")[0]) for axis in axes]
+            self.file[FINE_BOX][frame] = fine_box(self.fluid)
         self._count(frame + 1, time)
 
     def _write(self, data: Any, frame: int, prefix: str) -> None:

@@ -164,8 +164,7 @@ class Live(Observer):
         """Return the length of a vector, or a field, by its `parts` on the cells of the fine box; None where the view
         has none of it."""
         fluid = self.session.units["fluid"]
-        names = [name for name in (f"{fields.FINE_BOX}.{axis}" for axis in "xyz") if name in fluid.variables]
-        lows = [float(fluid.read(name)[0]) for name in names] or None
+        lows = fields.fine_box(fluid) or None
         if not (boxes := view.fine_box(lows)):
             return None
         found = [fluid.field(f"{fields.FINE}.{part}") for part in parts]

@@ -19,7 +19,7 @@ from nervure.evaluate.rods import rod_columns, wing_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title, unit_in
-from nervure.output.fields import station_positions, wing_nodes
+from nervure.output.fields import fine_box, station_positions, wing_nodes
 from nervure.scene import Scene
 from nervure.scene.facts import Scales
 from nervure.scene.types import Reference
@@ -316,8 +316,7 @@ def vorticity(session: Session) -> Figure | None:
     figure, axes = view.panels(WIDTH)
     figure.set_dpi(DPI)
     picture = flow.Picture(axes[0, 0], view, view.colour_limit([shown]))
-    lows = [f"fine_box.{axis}" for axis in "xyz" if f"fine_box.{axis}" in units["fluid"].variables]
-    picture.show(*shown, view.fine_box([float(units["fluid"].read(name)[0]) for name in lows] or None))
+    picture.show(*shown, view.fine_box(fine_box(units["fluid"]) or None))
     picture.say(session.time)
     flow.colour_bar(figure, axes, picture.image, view)
     return figure

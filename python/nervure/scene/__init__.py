@@ -20,7 +20,7 @@ from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check
 from nervure.resources import ROOT, SCENES
-from nervure.scene.files import MOST_BYTES, Files, Read, named
+from nervure.scene.files import MOST_BYTES, Files, Read, key_of, named
 from nervure.scene.keys import Document, assign, json_or_text, override, plain
 from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene, Wing
@@ -78,9 +78,9 @@ def _line(fault: Fault, path: Path, with_end_time: bool, files: Iterable[str] = 
     if fault.line:
         return f"{path}, line {fault.line}, column {fault.column}: {fault.text}"
     for part in files:
-        key = re.sub(r"\.(\d+)\b", r"[\1]", part)
-        if fault.key.startswith(key):
-            return f"{fault.text} (from `{key}.file`)"
+        key = key_of(part)
+        if fault.key.startswith(key.removesuffix(".file")):
+            return f"{fault.text} (from `{key}`)"
     option = "--end-time" if with_end_time and fault.key == "time.end" else "--set"
     return f"{fault.text} (from {option})"
 

@@ -1,14 +1,16 @@
 """Scenes whose meshes and surfaces stand in files: the units get nodes and triangles in the place of a name."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from nervure.errors import SceneError
-from nervure.scene import meshes, surfaces
+from nervure.scene import meshes, reading, surfaces
 from nervure.scene.keys import Document, assign
 
+WING = "wing.mesh"  # Path of the mesh of a wing
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
 NODE_BYTES = 300  # Of a node with two triangles in the text of a scene
 
@@ -25,8 +27,8 @@ class Files:
 
     def embed(self, scene: Document) -> "Files":
         """Read the files of `scene`, in its place, and return what stood there."""
-        parts = dict(named(scene))
-        read = surfaces.embed(scene, self.folder) + meshes.embed(scene, self.folder)
+        parts = {path: dict(part) for path, part in named(scene)}
+        read = [key_of(path) for path, part in named(scene) if _read(path, part, self.folder)]
         if read and (size := len(json.dumps(scene, indent=2, ensure_ascii=False))) > MOST_BYTES:
             raise SceneError(
                 f"the scene has {size / (1 << 20):.1f} MB with nodes and triangles of `{'`, `'.join(read)}`, but at "
@@ -51,12 +53,34 @@ class Read(dict[str, object]):
 
 
 def named(scene: Document) -> Iterator[tuple[str, Document]]:
-    """Yield dotted path and content of each part of a scene that names a file."""
-    wing, fluid = scene.get("wing"), scene.get("fluid")
-    parts = [("wing.mesh", wing.get("mesh") if isinstance(wing, dict) else None)]
+    """Yield dotted path and content of each part of a scene, which may be unchecked, that names a file."""
+    fluid, wing = scene.get("fluid"), scene.get("wing")
     bodies = fluid.get("bodies") if isinstance(fluid, dict) else None
+    parts = []
     for i, body in enumerate(bodies if isinstance(bodies, list) else ()):
         shape = body.get("shape") if isinstance(body, dict) else None
         surface = shape.get("triangulation") if isinstance(shape, dict) else None
         parts.append((f"fluid.bodies.{i}.shape.triangulation", surface))
-    yield from ((path, dict(part)) for path, part in parts if isinstance(part, dict) and "file" in part)
+    parts.append((WING, wing.get("mesh") if isinstance(wing, dict) else None))
+    yield from ((path, part) for path, part in parts if isinstance(part, dict) and "file" in part)
+
+
+def _read(path: str, part: Document, folder: Path) -> bool:
+    """Put nodes (m) and triangles of a file, relative to `folder`, in the place of its name; return False where the
+    units say what is wrong with it. Raise `SceneError` for a file that is no wing or surface."""
+    unit = reading.unit(part)
+    if unit is None or not isinstance(name := part["file"], str) or not part.keys() <= {"file", "unit"}:
+        return False
+    try:
+        found = (meshes if path == WING else surfaces).read(folder / name, unit)
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        raise SceneError(f"`{key_of(path)}` is {name!r}, but {why}") from error
+    part.clear()
+    part |= {"triangles": found} if path == WING else found
+    return True
+
+
+def key_of(path: str) -> str:
+    """Return the key of the file of the part at a dotted path, as messages show it."""
+    return re.sub(r"\.(\d+)\b", r"[\1]", path) + ".file"

@@ -6,32 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import SceneError
 from nervure.extras import require
 from nervure.scene import reading
 from nervure.scene.keys import Document
 
 KEY = "wing.mesh.file"
-
-
-def embed(scene: Document, folder: Path) -> list[str]:
-    """Put nodes (m), triangles and chains of a file, relative to `folder`, into the wing of `scene`, and return its key
-    if there was one. Raise `SceneError` for a file that is no wing."""
-    wing = scene.get("wing")
-    mesh = wing.get("mesh") if isinstance(wing, dict) else None
-    if not isinstance(mesh, dict) or not isinstance(mesh.get("file"), str) or not mesh.keys() <= {"file", "unit"}:
-        return []
-    if (unit := reading.unit(mesh)) is None:
-        return []  # The units say what is wrong
-    name = mesh["file"]
-    try:
-        found = read(folder / name, unit)
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        raise SceneError(f"`{KEY}` is {name!r}, but {why}") from error
-    mesh.clear()
-    mesh["triangles"] = found
-    return [KEY]
 
 
 def read(path: Path, unit: float = 1.0) -> Document:

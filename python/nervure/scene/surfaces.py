@@ -1,11 +1,10 @@
 """Surfaces of rigid bodies from STL, OBJ and PLY files, which trimesh reads."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from nervure.errors import InputError, SceneError
+from nervure.errors import InputError
 from nervure.extras import require
 from nervure.scene import reading
 from nervure.scene.keys import Document
@@ -13,42 +12,16 @@ from nervure.scene.keys import Document
 SUFFIXES = (".stl", ".obj", ".ply")
 
 
-def embed(scene: Document, folder: Path) -> list[str]:
-    """Put the nodes (m) and triangles of files into the surfaces of `scene`, and return the keys of the files. Paths
-    are relative to `folder`. Raise `SceneError` for a file that is no surface."""
-    found = []
-    for key, surface in _surfaces(scene):
-        unit = reading.unit(surface)
-        if unit is None or not surface.keys() <= {"file", "unit"}:
-            continue  # The units say what is wrong
-        try:
-            nodes, triangles = _read(folder / surface["file"])
-        except (OSError, ValueError, InputError) as error:
-            why = error.strerror if isinstance(error, OSError) else error
-            raise SceneError(f"`{key}.file` is {surface['file']!r}, but {why}") from error
-        surface.clear()
-        surface |= {"nodes": [[unit * x for x in node] for node in nodes], "triangles": triangles}
-        found.append(f"{key}.file")
-    return found
-
-
-def _surfaces(scene: Document) -> Iterator[tuple[str, Document]]:
-    """Return key and document of each surface with a file."""
-    fluid = scene.get("fluid")
-    bodies = fluid.get("bodies") if isinstance(fluid, dict) else None
-    for i, body in enumerate(bodies if isinstance(bodies, list) else ()):
-        shape = body.get("shape") if isinstance(body, dict) else None
-        surface = shape.get("triangulation") if isinstance(shape, dict) else None
-        if isinstance(surface, dict) and isinstance(surface.get("file"), str):
-            yield f"fluid.bodies[{i}].shape.triangulation", surface
-
-
-def _read(path: Path) -> tuple[list[list[float]], list[list[int]]]:
-    """Return nodes, in the unit of the file, and triangles with an area."""
+def read(path: Path, unit: float) -> Document:
+    """Return `nodes` (m) and the `triangles` with an area of a file in `unit` (m). Raise `ValueError` where it
+    cannot be read or has none."""
     if path.suffix.lower() not in SUFFIXES:
         raise ValueError(f"triangles are in a file {', '.join(SUFFIXES)}")
     reading.check_size(path)
-    trimesh = require("trimesh", "a surface from a file")
+    try:
+        trimesh = require("trimesh", "a surface from a file")
+    except InputError as error:
+        raise ValueError(str(error)) from error
     try:
         if path.suffix.lower() == ".obj":
             _check_obj(path)
@@ -61,7 +34,7 @@ def _read(path: Path) -> tuple[list[list[float]], list[list[int]]]:
         raise ValueError(f"trimesh cannot read it: {error}") from error
     if not triangles:
         raise ValueError("it has no triangles")
-    return nodes, triangles
+    return {"nodes": [[unit * x for x in node] for node in nodes], "triangles": triangles}
 
 
 def _check_obj(path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from nervure.coupling.drive import master_inputs
 from nervure.errors import InputError
-from nervure.scene import Scene
+from nervure.scene import Scene, beams, wings
 from nervure.units import package
 from nervure.units.describe import describe, unit_label
 from nervure.units.fmu import Unit, Variable, prefixes, read_description, variables_of
@@ -26,8 +26,8 @@ def check_fit(scene: Scene, units: Mapping[str, Unit], foreign: Collection[str])
         given = units[name]
         with TemporaryDirectory() as place:
             own = package.lay_out(describe(name, scene), Path(place))
-            wings = len(scene.wings) or int(scene.wing is not None)
-            bodies = prefixes(len(scene.rods) or int(scene.beam is not None or not wings), wings)
+            flying = len(wings(scene))
+            bodies = prefixes(len(beams(scene)) or int(not flying), flying)
             fault = _fluid_fault(own, given, bodies) if name == "fluid" else _rod_fault(own, given)
         if fault:
             raise InputError(

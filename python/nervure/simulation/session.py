@@ -12,7 +12,7 @@ from nervure.coupling import Drive, Driver, Scheme, couple
 from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.files import unwritable
-from nervure.scene import Scene
+from nervure.scene import Scene, wings
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
 from nervure.simulation import results, verified
@@ -99,7 +99,7 @@ class Session(TimeLoop):
         bodies = [
             (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
         ]
-        bodies += [(max(cell), True)] * (len(self.scene.wings) or int(self.scene.wing is not None))
+        bodies += [(max(cell), True)] * len(wings(self.scene))
         numbers = tuple(fluid.box.cells), cell, stepping.max_cfl, mask["c_eta"], stepping.max_step
         cfl = self.facts.numbers
         for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):

@@ -16,7 +16,7 @@ from nervure.coupling import Choice, Scheme
 from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate import benchmark, bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
-from nervure.evaluate.rods import columns_of_wings, rod_columns, wing_columns
+from nervure.evaluate.rods import columns_of_units
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine, versions
@@ -25,7 +25,10 @@ from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.verified import Bar
+from nervure.units.describe import unit_label
 from nervure.units.fmu import Unit
+
+Parts = dict[str, tuple[str, Series]]  # Of the units of wings and rods: the fluid's name, and the columns
 
 TIP = ("tip_ux", "tip_uy", "tip_uz")
 """Evaluated outputs of a rod."""
@@ -314,12 +317,11 @@ def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -
     }
 
 
-def _main_signal(facts: Facts, series: Series, rounding: float) -> MainSignal | None:
+def _main_signal(scene: Scene, series: Series, parts: Parts, rounding: float) -> MainSignal | None:
     """Return the main signal of a run; of several rods or wings, the signal of the first."""
-    if facts.scene.rods:
-        return main_signal(rod_columns(series, facts.beams[0]), rounding)
-    wings = columns_of_wings(series, [own.name for own in facts.scene.wings])
-    return main_signal({**series, **next(iter(wings.values()), {})}, rounding)
+    if scene.rods:
+        return main_signal(parts[scene.rods[0].name][1], rounding)
+    return main_signal({**series, **parts[scene.wings[0].name][1]} if scene.wings else series, rounding)
 
 
 def summarize(
@@ -334,7 +336,8 @@ def summarize(
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
     rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
-    main = _main_signal(facts, series, rounding) if time.size > 2 else None
+    parts = columns_of_units(series, scene)
+    main = _main_signal(scene, series, parts, rounding) if time.size > 2 else None
     window, settled = None, None
     if main and main.drive is not None:
         window = statistics.driven_window(time, main.values, main.drive)
@@ -347,13 +350,17 @@ def summarize(
     width = statistics.force_filter_width(window) if window else 0.0
     inside = {name: unit.seconds for name, unit in units.items()}
     about = {name: unit.description for name, unit in units.items()}
-    known: dict[str, Quantity] = {}
+    changed, known = benchmark.changed(scene), dict[str, Quantity]()
+    published = None if changed else scene.reference
     if window:
-        published, names = benchmark.reference(scene), [name for name in quantities(facts) if name in series]
+        names = [name for name in quantities(facts) if name in series]
         for name, smallest in smallest_amplitudes(names, series, rounding).items():
             known[name] = _quantity(name, recorder.units[name], series, published, window, width, smallest)
-    rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
-    wings = columns_of_wings(series, [own.name for own in scene.wings])
+    reasons = (
+        f"changed: {', '.join(changed)}" if changed else "",
+        _not_final(scene, status, known, main, window, settled),
+    )
+    on_fluid, alone = parts.get("wing" if scene.wing else "rod" if scene.beam else "", (None, series))
     return Summary(
         scene=scene.name,
         completed=status.completed,
@@ -361,13 +368,12 @@ def summarize(
         quantities=known,
         dimensionless=facts.numbers,
         bodies=bodies.evaluate(facts, series, window, width) if window else {},
-        coefficients=_coefficients(facts, series, window, width) if window else None,
-        flapping=_flapping(facts, series, window) if window else None,
+        coefficients=_coefficients(facts, published, series, window, width) if window else None,
+        flapping=flapping.evaluate(facts, facts.scales.get(on_fluid), alone, window) if window and on_fluid else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=settled.drift if settled else None,
-        not_compared="; ".join(filter(None, (_changed(scene), _not_final(scene, status, known, main, window, settled))))
-        or None,
+        not_compared="; ".join(filter(None, reasons)) or None,
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
@@ -377,7 +383,7 @@ def summarize(
             amplitude_drift=f"change of mean or amplitude of the {main.name if main else 'signal'} along its principal "
             "direction over the window, relative to its amplitude",
         ),
-        interface=interface(wing_columns(series) if scene.wing else series),
+        interface=interface(alone),
         simulated_s=status.simulated,
         wall_s=status.wall,
         cpu_s=status.cpu,
@@ -390,52 +396,31 @@ def summarize(
         versions=versions(),
         git=git_revision(),
         machine=machine(),
-        warnings=[*facts.warnings, *warnings, *_imbalances(series, facts)] or None,
-        wing=of_wings([wing_columns(series)] if scene.wing else wings.values(), window) if window else None,
-        wings={
-            name: OfRod(
-                flapping.evaluate(facts, facts.scales.get(f"wing_{number}"), own, window) if window else None,
-                interface(own),
-            )
-            for number, (name, own) in enumerate(wings.items(), 1)
-        }
-        or None,
-        rods={
-            own.unit: OfRod(
-                flapping.evaluate(facts, facts.scales.get(own.force), rods[own.unit], window) if window else None,
-                interface(rods[own.unit]),
-            )
-            for own in facts.beams
-            if rods
-        }
-        or None,
+        warnings=[*facts.warnings, *warnings, *_imbalances(parts)] or None,
+        wing=of_wings([own for name, own in parts.values() if name.startswith("wing")], window) if window else None,
+        wings=_of_several(facts, parts, [own.name for own in scene.wings], window),
+        rods=_of_several(facts, parts, [own.name for own in scene.rods], window),
     )
 
 
-def _imbalances(series: Series, facts: Facts) -> Iterator[str]:
+def _of_several(
+    facts: Facts, parts: Parts, names: Sequence[str], window: statistics.Window | None
+) -> dict[str, OfRod] | None:
+    """Evaluate several rods or wings by name; None without them."""
+    found = {}
+    for name, (on_fluid, series) in ((name, parts[name]) for name in names):
+        driven = flapping.evaluate(facts, facts.scales.get(on_fluid), series, window) if window else None
+        found[name] = OfRod(driven, interface(series))
+    return found or None
+
+
+def _imbalances(parts: Parts) -> Iterator[str]:
     """Yield that the works on rods and by the fluid differ over the whole run."""
-    parts = {"the wing": wing_columns(series)} if facts.scene.wing else {}
-    wings = columns_of_wings(series, [own.name for own in facts.scene.wings])
-    parts |= {f"the wing {name}": own for name, own in wings.items()}
-    parts |= {f"the rod {own.unit}" if own.prefix else "the rod": rod_columns(series, own) for own in facts.beams}
-    for name, columns in parts.items():
-        work = interface(columns)
+    for name, (on_fluid, columns) in parts.items():
+        work, kind = interface(columns), "wing" if on_fluid.startswith("wing") else "rod"
         if work and work.imbalance and abs(work.imbalance) > WARN_RATIO:
             share = f"{work.imbalance:+.0%} of the exchanged work"
-            yield f"over the run the works on {name} and by the fluid differ by {share}"
-
-
-def _flapping(facts: Facts, series: Series, window: statistics.Window) -> flapping.Flapping | None:
-    """Evaluate the only driven root of a scene, of a rod or a wing."""
-    if facts.scene.wing:
-        return flapping.evaluate(facts, facts.scales.get("wing"), wing_columns(series), window)
-    return flapping.evaluate(facts, facts.scales.get("beam"), series, window) if facts.scene.beam else None
-
-
-def _changed(scene: Scene) -> str | None:
-    """Return the changed keys of a benchmark; None where there are none."""
-    keys = benchmark.changed(scene)
-    return f"changed: {', '.join(keys)}" if keys else None
+            yield f"over the run the works on the {unit_label(name, kind)} and by the fluid differ by {share}"
 
 
 def _not_final(
@@ -468,8 +453,10 @@ def _not_final(
     return None
 
 
-def _coefficients(facts: Facts, series: Series, window: statistics.Window, width: float) -> Coefficients | None:
-    scale, reference = coefficients.scale(facts), benchmark.reference(facts.scene)
+def _coefficients(
+    facts: Facts, reference: Reference | None, series: Series, window: statistics.Window, width: float
+) -> Coefficients | None:
+    scale = coefficients.scale(facts)
     values = coefficients.evaluate(scale, series, window, width) if scale else {}
     source = reference.source if reference else None
     return Coefficients(values, coefficients.published(reference), source) if values else None

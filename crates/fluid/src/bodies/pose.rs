@@ -34,7 +34,8 @@ mod tests {
     use nalgebra::Rotation3;
 
     use super::*;
-    use crate::parameters::{Body, Law};
+    use crate::law::Law;
+    use crate::parameters::Body;
     use crate::space::{Turn, Vector};
 
     #[test]

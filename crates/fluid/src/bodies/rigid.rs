@@ -284,7 +284,7 @@ mod tests {
     use geometry::space::Solid;
 
     use super::*;
-    use crate::parameters::Law;
+    use crate::law::Law;
     use crate::space::Turn;
 
     fn law(amplitude: f64, frequency: f64) -> Law {

@@ -5,7 +5,6 @@ use std::ops::Range;
 use nalgebra::SMatrix;
 
 use super::slip::Slip;
-use super::system::inverse;
 use crate::grid::Grid;
 use crate::kernel::Kernel;
 use crate::space::Vector;
@@ -314,4 +313,19 @@ fn multiply<const D: usize>(
         }
         place = if place + 1 == grid.cells[axis] { 0 } else { place + 1 };
     }
+}
+
+/// Return the inverse of a symmetric, positive definite block.
+pub fn inverse<const D: usize>(mut block: SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+    for p in 0..D {
+        let inverse = 1.0 / block[(p, p)];
+        block[(p, p)] = 1.0;
+        (0..D).for_each(|column| block[(p, column)] *= inverse);
+        for row in (0..D).filter(|row| *row != p) {
+            let share = block[(row, p)];
+            block[(row, p)] = 0.0;
+            (0..D).for_each(|column| block[(row, column)] -= share * block[(p, column)]);
+        }
+    }
+    block
 }

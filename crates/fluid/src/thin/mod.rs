@@ -21,13 +21,14 @@ mod surface;
 mod system;
 
 use line_fft::Real;
+use method::{ROD_RADIUS_CELLS, ROD_SECTION_CELLS};
 use nalgebra::SMatrix;
 
 use crate::bodies::{Bodies, Carried, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
-use crate::kernel::{Kernel, ROD_RADIUS_CELLS, ROD_SECTION_CELLS, layer_thickness};
+use crate::kernel::{Kernel, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
 use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};

@@ -24,7 +24,7 @@
 
 use std::f64::consts::PI;
 
-use crate::kernel::ROD_RADIUS_CELLS;
+use method::ROD_RADIUS_CELLS;
 
 /// Share of a cell that halves the slip at that distance from an edge in slow flow. A disk along a slow stream has its drag
 /// with 0.5 to 1; a plate at 30° and Re 20 its lift with 0 to 0.3.

@@ -8,7 +8,7 @@ use std::array::from_fn;
 
 use nalgebra::SMatrix;
 
-use super::markers::Markers;
+use super::markers::{Markers, inverse};
 use crate::grid::Grid;
 use crate::kernel::Kernel;
 use crate::space::Vector;
@@ -124,21 +124,6 @@ impl<const D: usize> Matrix<D> {
             }
         }
     }
-}
-
-/// Return the inverse of a symmetric, positive definite block.
-pub fn inverse<const D: usize>(mut block: Block<D>) -> Block<D> {
-    for p in 0..D {
-        let inverse = 1.0 / block[(p, p)];
-        block[(p, p)] = 1.0;
-        (0..D).for_each(|column| block[(p, column)] *= inverse);
-        for row in (0..D).filter(|row| *row != p) {
-            let share = block[(row, p)];
-            block[(row, p)] = 0.0;
-            (0..D).for_each(|column| block[(row, column)] -= share * block[(p, column)]);
-        }
-    }
-    block
 }
 
 impl<const D: usize> System<D> {
