@@ -1,6 +1,6 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{Fluid, RootLaws, SURFACE_THICKNESS_CELLS, Scene, WingSupport};
+use scene::{RootLaws, SURFACE_THICKNESS_CELLS, Scene, WingSupport};
 use wing::{Contact, Membrane, Parameters, RigidMotion, Root, Support, Vein};
 
 /// Return the parameters of a wing of a scene, in its fluid if it has one.
@@ -42,7 +42,7 @@ pub fn parameters(scene: &Scene, own: &scene::Wing) -> Parameters {
         root,
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,
-        displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * largest_cell(fluid)),
+        displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * fluid.largest_cell()),
         contact: scene.contact.as_ref().map(|contact| Contact {
             law: contact.law_of_wing(scene, own),
             obstacles: adapter::obstacles_in_space(scene),
@@ -51,12 +51,6 @@ pub fn parameters(scene: &Scene, own: &scene::Wing) -> Parameters {
         max_step: own.max_step,
         mesh,
     }
-}
-
-/// Return the largest length of a cell, m.
-fn largest_cell(fluid: &Fluid) -> f64 {
-    let cells = fluid.r#box.ends().zip(&fluid.r#box.cells).map(|([low, high], cells)| (high - low) / *cells as f64);
-    cells.fold(0.0, f64::max)
 }
 
 /// Return the pose of the base at time `t`, s.
