@@ -5,10 +5,10 @@ angles of the chords, as flies do (Whitehead et al. 2015).
 nervure run examples/flyer-pid.json --drive examples/flyer_pid.py
 
 The wings beat along y. A mean off by an angle lifts beside the centre of mass and turns the body about x, a larger
-stroke of one wing about y, and chords that lean against each other about z. Each angle a obeys I a'' = M c with its
-command c, and a body that leans drifts:
+stroke of one wing about y, and chords that lean against each other about z. Each angle a obeys I (a'' + b a') = M c
+with its command c and the damping b by the wings, which is large about y, and a body that leans drifts:
 
-    c = I (w² (a_wanted - a) - 2 w a')/M  has the two poles -w,   y'' = -g a_x,   x'' = g a_y
+    c = I (w² (a_wanted - a) - (2 w - b) a')/M  has the two poles -w,   y'' = -g a_x,   x'' = g a_y
 
 So a_wanted = (v² y + 2 v y')/g for a_x has two poles at -v for a slow v, and minus that of x for a_y. The integral
 finds the mean of a flight without a moment; mirror images need none about y and z.
@@ -27,7 +27,8 @@ RAMP = 2.5e-3  # Time in which the wings turn upright and the stroke begins, s
 
 GRAVITY, INERTIA = 9.81, (3.6e-13, 1e-13, 3.6e-13)  # m/s², and about x, y, z, kg m²
 MOMENTS = (1.2e-8, -4.4e-8, -3.1e-8)  # About x, y, z by mean, difference of amplitudes and lean of the chords, N m
-POLE, SLOW_POLE, SUM_POLE = 150.0, 25.0, 25.0  # w and v, and of the integral, 1/s
+POLES, DAMPINGS = (150.0, 300.0, 150.0), (0.0, 600.0, 0.0)  # w and b about x, y, z, 1/s
+SLOW_POLE, SUM_POLE = 25.0, 25.0  # v, and of the integral, 1/s
 FARTHEST, STEEPEST = 0.3, 0.3  # Command and wanted angle, rad
 
 VELOCITIES = [f"body_v{axis}" for axis in "xyz"] + [f"body_omega_{axis}" for axis in "xyz"]
@@ -64,13 +65,12 @@ class Pid:
         leans = lean(values["body_y"], drift), -lean(values["body_x"], aside), 0.0
         off = [wanted - values[f"body_angle_{axis}"] for wanted, axis in zip(leans, "xyz", strict=True)]
         gains = [inertia / moment for inertia, moment in zip(INERTIA, MOMENTS, strict=True)]
-        commands = [
-            gain * (POLE**2 * angle - 2 * POLE * turn) for gain, angle, turn in zip(gains, off, turns, strict=True)
-        ]
+        parts = zip(gains, POLES, DAMPINGS, off, turns, strict=True)
+        commands = [gain * (w**2 * angle - (2 * w - b) * turn) for gain, w, b, angle, turn in parts]
         wanted = commands[0] + self.mean
         mean, more, chord = (within(command, FARTHEST) for command in (wanted, *commands[1:]))
         if mean == wanted:
-            self.mean += step * SUM_POLE * gains[0] * POLE**2 * off[0]
+            self.mean += step * SUM_POLE * gains[0] * POLES[0] ** 2 * off[0]
 
         phase, begun = math.tau * FREQUENCY * time, min(time / RAMP, 1.0)
         begun = begun**2 * (3 - 2 * begun)
