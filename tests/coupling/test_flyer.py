@@ -390,8 +390,7 @@ def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_t
 
 
 def test_a_controller_holds_the_height_and_all_angles_that_a_constant_stroke_loses(tmp_path):
-    """On coarse cells and with a small stroke, which lift less than half of the example's mass, after a push about y and
-    z."""
+    """On coarse cells and with a small stroke, which lift less than half of the example's mass, after a push."""
     scene = json.loads((EXAMPLES / "flyer-pid.json").read_text())
     scene["time"] = {"end": 0.0125, "communication_step": 2e-5}
     scene["fluid"]["box"]["cells"], scene["flyer"]["mass"] = [32, 24, 32], 5.5e-7
