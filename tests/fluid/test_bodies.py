@@ -303,4 +303,4 @@ def test_of_two_disks_that_fall_the_upper_one_drafts_kisses_and_tumbles(tmp_path
     print(apart[0], apart.min(), way[:, -1])
     # The range of contact keeps them a tenth of a diameter apart.
     assert apart[0] > 4.9e-3 and 2.5e-3 < apart.min() < 2.8e-3
-    assert abs(way[0, 0]) < 2e-5 and abs(way[0, -1]) > 1e-3
+    assert abs(way[0, 0]) < 2e-5 and abs(way[0, -1]) > 5e-4
