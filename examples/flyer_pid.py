@@ -27,7 +27,7 @@ RAMP = 2.5e-3  # Time in which the wings turn upright and the stroke begins, s
 
 GRAVITY, INERTIA = 9.81, (3.6e-13, 1e-13, 3.6e-13)  # m/s², and about x, y, z, kg m²
 MOMENTS = (1.2e-8, -4.4e-8, -3.1e-8)  # About x, y, z by mean, difference of amplitudes and lean of the chords, N m
-POLES, DAMPINGS = (150.0, 300.0, 150.0), (0.0, 600.0, 0.0)  # w and b about x, y, z, 1/s
+POLES, DAMPINGS = (150.0, 300.0, 150.0), (0.0, 600.0, 0.0)  # w, and b (an estimate), about x, y, z, 1/s
 SLOW_POLE, SUM_POLE = 25.0, 25.0  # v, and of the integral, 1/s
 FARTHEST, STEEPEST = 0.3, 0.3  # Command and wanted angle, rad
 
