@@ -5,6 +5,7 @@ import pytest
 
 from nervure.errors import InputError
 from nervure.evaluate import bodies, flapping as flapping_averages, statistics
+from nervure.resources import ROOT
 from nervure.scene import document, load, override, read, validate
 from nervure.scene.facts import Facts
 from nervure.scene.outline import body_outline
@@ -289,3 +290,17 @@ def test_a_hovering_ellipse_has_the_published_lift(tmp_path):
     cycles = summary["bodies"]["body_1"]["cycles"]
     mean = cycles["cl"]["mean"] / flapping.LIFT
     assert mean == pytest.approx(found["lift"], rel=0.1) and cycles["cl"]["scatter"] < 0.1 * cycles["cl"]["mean"]
+
+
+def test_of_two_disks_that_fall_the_upper_one_drafts_kisses_and_tumbles(tmp_path):
+    """The example on half the cells: the lower one is caught, then passed."""
+    steps = [f"{key}=4e-4" for key in ("time.communication_step", "fluid.time_stepping.max_step")]
+    scene = read(ROOT / "examples" / "drafting-disks.json", ["fluid.box.cells=[52,148]", *steps])
+    series, _ = run(tmp_path, document(scene))
+    lower, upper = (np.array([series[f"body_{k}_{axis}"] for axis in "xy"]) for k in (1, 2))
+    way = upper - lower
+    apart = np.linalg.norm(way, axis=0)
+    print(apart[0], apart.min(), way[:, -1])
+    # The range of contact keeps them a tenth of a diameter apart.
+    assert apart[0] > 4.9e-3 and 2.5e-3 < apart.min() < 2.8e-3
+    assert abs(way[0, 0]) < 2e-5 and abs(way[0, -1]) > 5e-4

@@ -9,7 +9,19 @@
 //! ```
 //!
 //! So half of each segment bends and twists about its own tangent, and a kink passes one to the other. A straight joint
-//! without twist has the spring of the rod. The spins of the frames w = (t × ė)/l + φ̇ t give the derivatives,
+//! without twist has the spring of the rod.
+//!
+//! A vein c that begins or ends inside another one, between its segments a and b, turns with their node, whose turn lies
+//! between theirs. With the shares s_a = l_b/(l_a + l_b), s_b = 1 − s_a, and the spring K of a and b as above,
+//!
+//! ```text
+//! K_c⁻¹ = ½ l_c C_c + n s_a s_b K⁻¹:     joints s_a K_c of a and c, s_b K_c of b and c, K − Σ s_a s_b K_c of a and b
+//! ```
+//!
+//! with sum and number n of all that meet there, in one frame. At small turns a vein c at any angle to a straight one bends
+//! and twists it as if the node had a frame of its own; so do several if they bear the same moment.
+//!
+//! The spins of the frames w = (t × ė)/l + φ̇ t give the derivatives,
 //! ω̇ = J u with J = 1 − ½ [ω] + ¼ ω ωᵀ and u = R_aᵀ (w_b − w_a). A membrane that bends has its hinges between triangle
 //! and director. Directors on a path of shapes: Bergou et al. (2010, ACM Trans. Graph. 29, 116).
 
@@ -60,6 +72,15 @@ pub(crate) struct Strand {
     pub(crate) rigid: bool,
     /// Director at rest.
     rest: Vector,
+}
+
+/// Segment of a vein that begins or ends inside another one.
+struct Branch {
+    strand: usize,
+    /// C, in its own axes, 1/(N m²).
+    compliance: Matrix3<f64>,
+    /// Segments of the other vein before and after the node.
+    sides: [usize; 2],
 }
 
 /// Spring between the frames of two segments.
@@ -136,6 +157,13 @@ fn transport(from: &Vector, to: &Vector, director: &Vector) -> Vector {
     (turned - to * to.dot(&turned)).normalize()
 }
 
+/// Return C of a vein at its node `j`, in the axes of a segment, 1/(N m²).
+fn compliance(vein: &Vein, j: usize) -> Matrix3<f64> {
+    let scale = vein.diameter_at(j).powi(4);
+    let [bending, torsion] = [vein.bending_stiffness, vein.torsional_stiffness].map(|stiffness| stiffness * scale);
+    Matrix3::from_diagonal(&Vector::new(1.0 / bending, 1.0 / bending, 1.0 / torsion))
+}
+
 fn key([a, b]: [usize; 2]) -> [usize; 2] {
     [a.min(b), a.max(b)]
 }
@@ -193,9 +221,11 @@ impl Twists {
                 before = Some(pose);
             }
         }
-        for (i, vein) in veins.iter().enumerate() {
-            twists.add_joints(i, vein, &veins, &firsts, held, parameters.root.support)?;
+        let mut branches = Vec::new();
+        for i in 0..veins.len() {
+            twists.add_joints(i, &veins, &firsts, held, parameters.root.support, &mut branches)?;
         }
+        twists.add_branches(&branches);
         let count = twists.strands.len();
         (twists.torques, twists.spins) = (vec![0.0; count], vec![0.0; count]);
         twists.without_turn = vec![(0.0, 0.0); count];
@@ -203,83 +233,104 @@ impl Twists {
         Ok(twists)
     }
 
-    /// Add the joints along the vein `i`, to the support, and to veins that it begins or ends at.
+    /// Add the joints along the vein `i`, to the support, and to veins before it that end or begin where it does; append
+    /// its branches.
     fn add_joints(
         &mut self,
         i: usize,
-        vein: &Vein,
         veins: &[&Vein],
         firsts: &[usize],
         held: &[bool],
         support: Support,
+        branches: &mut Vec<Branch>,
     ) -> Result<(), Error> {
+        let vein = veins[i];
         let (first, count) = (firsts[i], vein.nodes.len() - 1);
         for j in 0..=count {
-            let node = vein.nodes[j];
+            let (node, own) = (vein.nodes[j], compliance(vein, j));
             if j > 0 && j < count {
-                self.add_joint(Some(first + j - 1), first + j, [true, true], vein, j)?;
+                self.add_joint(Some((first + j - 1, own)), first + j, own, vein, node)?;
                 continue;
             }
-            let own = if j == 0 { first } else { first + count - 1 };
+            let strand = if j == 0 { first } else { first + count - 1 };
             if held[node] {
-                if j == 0 && support == Support::Clamped && !self.strands[own].rigid {
-                    self.add_joint(None, own, [false, true], vein, j)?;
+                if j == 0 && support == Support::Clamped && !self.strands[strand].rigid {
+                    self.add_joint(None, strand, own, vein, node)?;
                 }
                 continue;
             }
-            // A vein that runs through the node, then one that ends there, then one that begins there.
-            let others = veins.iter().enumerate().filter(|(k, _)| *k != i);
-            let place = |other: &Vein| other.nodes.iter().position(|k| *k == node);
-            let met = others.filter_map(|(k, other)| {
-                let at = place(other)?;
-                let last = other.nodes.len() - 1;
-                let rank = if at > 0 && at < last { 0 } else { 1 };
-                (rank == 0 || k < i).then_some((rank, k, firsts[k] + at.max(1) - 1))
-            });
-            // Between two segments of the other vein both halves already belong to their joint.
-            if let Some((rank, _, other)) = met.min() {
-                self.add_joint(Some(other), own, [rank > 0, true], vein, j)?;
+            // A vein that runs through the node, or one that ends or begins there.
+            let others = || {
+                let places = veins.iter().enumerate().filter(|(k, _)| *k != i);
+                places.filter_map(|(k, other)| Some((k, *other, other.nodes.iter().position(|own| *own == node)?)))
+            };
+            if let Some((k, _, at)) = others().find(|(_, other, at)| (1..other.nodes.len() - 1).contains(at)) {
+                branches.push(Branch { strand, compliance: own, sides: [firsts[k] + at - 1, firsts[k] + at] });
+            } else if let Some((k, other, at)) = others().next().filter(|(k, ..)| *k < i) {
+                self.add_joint(Some((firsts[k] + at.max(1) - 1, compliance(other, at))), strand, own, vein, node)?;
             }
         }
         Ok(())
     }
 
-    /// Add a joint at the place `j` of a vein; `bends` tells whether half of each segment belongs to it.
+    /// Add a joint at a node of a vein: half of the segment `before`, of such a compliance, and half of that after it bend.
     fn add_joint(
         &mut self,
-        before: Option<usize>,
+        before: Option<(usize, Matrix3<f64>)>,
         after: usize,
-        bends: [bool; 2],
+        own: Matrix3<f64>,
         vein: &Vein,
-        j: usize,
+        node: usize,
     ) -> Result<(), Error> {
-        let support = self.now[after].frame();
-        let rest = before.map_or_else(Matrix3::identity, |before| self.now[before].frame().transpose() * support);
-        let fold = before.is_some_and(|before| 1.0 + self.now[before].tangent.dot(&self.now[after].tangent) < FOLD);
-        let scale = vein.diameter_at(j).powi(4);
-        let [bending, torsion] = [vein.bending_stiffness, vein.torsional_stiffness].map(|stiffness| stiffness * scale);
-        let local = Matrix3::from_diagonal(&Vector::new(1.0 / bending, 1.0 / bending, 1.0 / torsion));
-        let half = |strand: Option<usize>, bends: bool| {
-            let own = strand.map(|k| &self.strands[k]).filter(|strand| bends && !strand.rigid);
-            own.map_or(0.0, |strand| 0.5 * strand.length)
-        };
-        let compliance = local * half(before, bends[0]) + rest * local * rest.transpose() * half(Some(after), bends[1]);
+        let half = |k: usize| if self.strands[k].rigid { 0.0 } else { 0.5 * self.strands[k].length };
+        let (rest, mut fold, mut compliance) = (self.rest(before.map(|(k, _)| k), after), false, Matrix3::zeros());
+        if let Some((k, of_before)) = before {
+            fold = 1.0 + self.now[k].tangent.dot(&self.now[after].tangent) < FOLD;
+            compliance += of_before * half(k);
+        }
+        compliance += rest * own * rest.transpose() * half(after);
         match compliance.try_inverse() {
             Some(stiffness) if !fold => {
-                self.joints.push(Joint { before, after, back: rest.transpose(), support, stiffness });
+                self.push(before.map(|(k, _)| k), after, stiffness);
                 Ok(())
             }
             // Both segments are rigid.
             None => Ok(()),
             Some(_) => {
-                let nodes = vein.nodes[j];
-                Err(Error::value(
-                    format!("veins.{}.nodes", vein.name),
-                    nodes,
-                    "a place where the vein does not fold back",
-                ))
+                let allowed = "a place where the vein does not fold back";
+                Err(Error::value(format!("veins.{}.nodes", vein.name), node, allowed))
             }
         }
+    }
+
+    /// Join each branch to both segments of the vein that it meets, as the module says.
+    fn add_branches(&mut self, branches: &[Branch]) {
+        let stems: Vec<_> = self.joints.iter().map(|joint| joint.stiffness).collect();
+        let place = |sides: [usize; 2]| move |joint: &Joint| joint.before.zip(Some(joint.after)) == Some(sides.into());
+        for &Branch { strand, compliance, sides: [a, b] } in branches {
+            let Some(stem) = self.joints.iter().position(place([a, b])) else { continue };
+            let meeting = branches.iter().filter(|other| other.sides == [a, b]).count() as f64;
+            let [l_a, l_b, own] = [a, b, strand].map(|k| self.strands[k].length);
+            let (of_a, of_b) = (l_b / (l_a + l_b), l_a / (l_a + l_b));
+            let (rest, turn) = (self.rest(Some(a), strand), self.rest(Some(a), b));
+            let bends = rest * compliance * rest.transpose() * (0.5 * own);
+            let of_stem = stems[stem].try_inverse().unwrap_or_default() * (meeting * of_a * of_b);
+            let Some(stiffness) = (bends + of_stem).try_inverse() else { continue };
+            self.push(Some(a), strand, stiffness * of_a);
+            self.push(Some(b), strand, turn.transpose() * stiffness * turn * of_b);
+            self.joints[stem].stiffness -= stiffness * (of_a * of_b);
+        }
+    }
+
+    /// Return Q_rest of two segments; of the support the identity.
+    fn rest(&self, before: Option<usize>, after: usize) -> Matrix3<f64> {
+        let frame = self.now[after].frame();
+        before.map_or_else(Matrix3::identity, |before| self.now[before].frame().transpose() * frame)
+    }
+
+    fn push(&mut self, before: Option<usize>, after: usize, stiffness: Matrix3<f64>) {
+        let (back, support) = (self.rest(before, after).transpose(), self.now[after].frame());
+        self.joints.push(Joint { before, after, back, support, stiffness });
     }
 
     /// Return the segment between two nodes, and 1 or −1 as it runs from the first to the second or back.

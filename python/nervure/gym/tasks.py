@@ -125,6 +125,9 @@ def hover(render_mode: str | None = None, cache: str | Path | None = None) -> En
             "time.communication_step": SERVO / steps,
             "fluid.time_stepping.max_step": SERVO / steps,
             "fluid.box.cells": [20, 16, 20],
+            "flyer.held": ["x", "angle_y", "angle_z"],
+            "flyer.velocity": [0.0, 0.0, 0.0],
+            "flyer.angular_velocity": [0.0, 0.0, 0.0],
             **{wing.format(i): 4 for i in range(2)},
         }
     )

@@ -57,44 +57,70 @@ fn a_quarter_circle_bends_and_twists_as_by_castigliano_with_second_order() {
     }
 }
 
-/// The arm a carries the arm b aside: w = P (a³/3 + b³/3)/EI + P a b²/GJ. The branch is a vein of its own,
-/// at the end of the stem or where the stem runs on.
+/// Return a vein with torsion through nodes of a mesh.
+fn twisting(name: &str, nodes: &[usize]) -> Vein {
+    Vein { torsional_stiffness: GJ, ..Vein::new(name, nodes, 0.1, EI, 1e6) }
+}
+
+/// The arm a carries the arm b aside: w = P (a³/3 + b³/3)/EI + P a b²/GJ. The arm b is a vein of its own, or not.
 #[test]
-fn a_kink_and_a_branch_pass_bending_to_torsion() {
+fn a_kink_passes_bending_to_torsion_with_second_order() {
     let (a, b, p) = (1.0, 0.5, 1e-5);
     let expected = p * ((a * a * a + b * b * b) / (3.0 * EI) + a * b * b / GJ);
-    let shape = |count: usize| -> Vec<[f64; 3]> {
-        let first = (0..=count).map(|k| [a * k as f64 / count as f64, 0.0, 0.0]);
-        first.chain((1..=count).map(|k| [a, b * k as f64 / count as f64, 0.0])).collect()
-    };
     let mut errors = Vec::new();
     for count in [8, 16] {
-        let nodes = shape(count);
-        let vein = |name: &str, nodes: std::ops::Range<usize>| Vein {
-            torsional_stiffness: GJ,
-            ..Vein::new(name, &nodes.collect::<Vec<_>>(), 0.1, EI, 1e6)
-        };
-        let branch = vec![vein("branch", count..2 * count + 1), vein("stem", 0..count + 1)];
-        let mut branched =
-            alone(Mesh { nodes: nodes.clone(), ..Mesh::default() }, branch.clone()).build().expect("veins");
-        // The tip of the branch stays the last node.
-        let mut longer = nodes.clone();
-        longer.insert(count + 1, [1.1 * a, 0.0, 0.0]);
-        let on = |k: usize| if k > count { k + 1 } else { k };
-        let mut veins = branch;
-        veins.iter_mut().for_each(|vein| vein.nodes = vein.nodes.iter().map(|k| on(*k)).collect());
-        veins[1].nodes.push(count + 1);
-        let mut crossed = alone(Mesh { nodes: longer, ..Mesh::default() }, veins).build().expect("veins");
+        let first = (0..=count).map(|k| [a * k as f64 / count as f64, 0.0, 0.0]);
+        let nodes: Vec<_> = first.chain((1..=count).map(|k| [a, b * k as f64 / count as f64, 0.0])).collect();
+        let all: Vec<_> = (0..nodes.len()).collect();
+        let veins = vec![twisting("branch", &all[count..]), twisting("stem", &all[..=count])];
+        let mut branched = alone(Mesh { nodes: nodes.clone(), ..Mesh::default() }, veins).build().expect("veins");
         let mut kinked = clamped(nodes, [EI, GJ, 1e6]);
         let error = |wing: &mut Wing| displacement(wing, [0.0, 0.0, p])[2] / expected - 1.0;
-        errors.push([&mut kinked, &mut branched, &mut crossed].map(error));
+        errors.push([&mut kinked, &mut branched].map(error));
     }
     println!("{errors:?}");
-    let [[coarse, _, coarse_crossed], [kink, branch, crossed]] = errors[..] else { panic!("two meshes") };
+    let [[coarse, _], [kink, branch]] = errors[..] else { panic!("two meshes") };
     assert!(kink.abs() < 2e-3 && (3.7..4.3).contains(&(coarse / kink)), "{coarse} and {kink}");
     assert!((branch - kink).abs() < 1e-8, "{branch} is not {kink}");
-    // Half a segment of the stem does not twist with the branch.
-    assert!(crossed.abs() < 3e-2 && crossed / coarse_crossed < 0.6, "{coarse_crossed} and {crossed}");
+}
+
+/// A vein of length a + c carries at a a vein of length b at the angle φ, under forces P across at both tips. The node
+/// sinks by P (2 a³/3 + (c + e) a²/2)/EI and turns by P (a² + (c + e) a)/EI and P d a/GJ, with the tip of the branch at e
+/// beyond it and at d beside it.
+#[test]
+fn a_branch_inside_a_vein_bends_and_twists_it_as_by_beam_theory_with_second_order() {
+    let (a, c, b, p) = (0.75, 0.5, 0.4, 1e-5);
+    for angle in [0.5_f64, 1.1, FRAC_PI_2, 2.5] {
+        let (e, d) = (b * angle.cos(), b * angle.sin());
+        let sinks = p * (2.0 * a * a * a / 3.0 + (c + e) * a * a / 2.0) / EI;
+        let (turns, twists) = (p * (a * a + (c + e) * a) / EI, p * d * a / GJ);
+        let expected = [
+            sinks + turns * c + p * c * c * c / (3.0 * EI),
+            sinks + turns * e + twists * d + p * b * b * b / (3.0 * EI),
+        ];
+        let mut errors = Vec::new();
+        for count in [4, 8, 16] {
+            // Segments beyond the node have another length.
+            let part = |k: usize| k as f64 / count as f64;
+            let stem = (0..=count).map(|k| a * part(k)).chain((1..=count).map(|k| a + c * part(k)));
+            let branch = (1..=count).map(|k| [a + e * part(k), d * part(k), 0.0]);
+            let nodes: Vec<_> = stem.map(|x| [x, 0.0, 0.0]).chain(branch).collect();
+            let all: Vec<_> = (0..nodes.len()).collect();
+            let tips = [2 * count, 3 * count];
+            let of_branch = [&[count], &all[tips[0] + 1..]].concat();
+            let veins = vec![twisting("branch", &of_branch), twisting("stem", &all[..=tips[0]])];
+            let mut wing = alone(Mesh { nodes, ..Mesh::default() }, veins).build().expect("veins");
+            wing.loads.force = vec![0.0; 3 * all.len()];
+            tips.iter().for_each(|k| wing.loads.force[2 * all.len() + k] = p);
+            wing.solve_static().expect("an equilibrium");
+            errors.push([0, 1].map(|i| wing.state().positions[tips[i]].z / expected[i] - 1.0));
+        }
+        println!("{angle}: {errors:?}");
+        for (pair, i) in errors.windows(2).flat_map(|pair| [(pair, 0), (pair, 1)]) {
+            let [coarse, fine] = [pair[0][i], pair[1][i]];
+            assert!(fine.abs() < 2e-2 && (3.9..4.1).contains(&(coarse / fine)), "{angle}: {coarse} and {fine}");
+        }
+    }
 }
 
 /// Bathe & Bolourchi (1979, Int. J. Numer. Methods Eng. 14, 961), by Simo & Vu-Quoc (1986, Comput. Methods Appl. Mech.
