@@ -88,8 +88,9 @@ where
     damped: Vec<f64>,
     /// Room of each thread.
     room: Vec<Room>,
-    /// Coefficients of the coarse pressure.
+    /// Coefficients of the coarse pressure, and what makes the mean of the pressure over the domain 0, m²/s².
     pressure: Vec<f64>,
+    level: f64,
 }
 
 #[derive(Clone)]
@@ -135,6 +136,7 @@ where
             damped: vec![0.0; D * transfer.len()],
             room: vec![room; threads],
             pressure: vec![0.0; transfer.len()],
+            level: 0.0,
             fine: Sbdf2::new(transforms, grid.len()).with_source(),
             below: None,
             coarse,
@@ -181,13 +183,19 @@ where
             }
             let forwards = left > 0.0;
             let transfer = &self.coarse.background.transfer;
+            // The points of a coarse cell, and the seam at its other end.
             let changing = transfer.points_in(axis, if forwards { 0 } else { transfer.cells()[axis] - 1 });
-            let mut points = problem.grid.cells.map(|cells| 0..cells);
-            points[axis] = changing;
-            self.add_coarse_at(&points, -1.0, flow, present.step);
+            let seam = transfer.points_in(axis, usize::from(forwards)).start;
+            let all = problem.grid.cells.map(|cells| 0..cells);
+            let parts = [changing, seam..seam + 1].map(|along| {
+                let mut points = all.clone();
+                points[axis] = along;
+                points
+            });
+            parts.iter().for_each(|points| self.add_coarse_at(points, -1.0, flow, present.step));
             self.coarse.shift(axis, forwards);
             self.place_rim();
-            self.add_coarse_at(&points, 1.0, flow, present.step);
+            parts.iter().for_each(|points| self.add_coarse_at(points, 1.0, flow, present.step));
         }
     }
 
@@ -563,8 +571,8 @@ where
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R] {
         self.coarse.look(0.0);
-        let of_force = self.coarse.write_pressure(&mut self.pressure);
-        let Self { fine, coarse, room, pressure, .. } = self;
+        let (share, of_force) = (self.share(), self.coarse.write_pressure(&mut self.pressure));
+        let Self { fine, coarse, room, pressure, level, .. } = self;
         let (background, rows) = (&coarse.background, &mut room[0].rows);
         let transfer = &background.transfer;
         let pi = fine.pressure_without(present.cfl(present.step), |w| {
@@ -575,6 +583,9 @@ where
         let at_end = pi[transfer.points_in(0, 0).start * plane..][..plane].iter().map(|pi| pi.to_f64()).sum::<f64>()
             / plane as f64
             - of_force;
+        // Both have no mean over the box, the coarse pressure none over the domain.
+        *level = share * at_end;
+        let at_end = at_end - *level;
         for (plane, pi) in pi.chunks_exact_mut(plane).enumerate() {
             let values = transfer.interpolate(pressure, plane, rows);
             for (pi, of_coarse) in pi.iter_mut().zip(values) {
@@ -616,9 +627,11 @@ where
         self.coarse.scheme.for_each_in_domain(self.coarse.flow(), points, visit);
     }
 
-    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
-        let coarser = self.coarse.scheme.flows(self.coarse.flow());
-        [flow].into_iter().chain(coarser).collect()
+    fn velocities<'a>(&'a self, flow: &'a Flow<R, D>, axis: usize, before: f64, last: f64) -> Vec<Cow<'a, [f64]>> {
+        let (own, Coarse { link, scheme, .. }) =
+            (self.fine.two_step().velocity(flow, axis, before, last), &self.coarse);
+        let coarser = scheme.velocities(self.coarse.flow(), axis, before + link.ahead, link.length);
+        [own].into_iter().chain(coarser).collect()
     }
 
     fn of_domain<'a>(&'a self, _: &'a Flow<R, D>) -> &'a Flow<R, D> {
