@@ -58,11 +58,6 @@ where
     /// Move the boxes after what they follow, if the coarser flows are not ahead.
     fn follow(&mut self, _: &mut Flow<R, D>, _: &Present<D>, _: &Problem<D>) {}
 
-    /// Return the share of the domain that the flow's own grid covers.
-    fn share(&self) -> f64 {
-        1.0
-    }
-
     /// Call `read` with the static pressure over the density (m²/s²) at a point of the domain, which is that of a finer
     /// flow where `finer` knows it at a point of the flow's own grid.
     fn read_around(
@@ -192,10 +187,6 @@ where
         self.write_source(team, false);
     }
 
-    fn share(&self) -> f64 {
-        self.coarse.background.transfer.share() * self.coarse.scheme.share()
-    }
-
     fn g(&self, flow: &Flow<R, D>, axis: usize, point: usize) -> f64 {
         let of_coarse = self.fine.source().map_or(0.0, |source| source[axis][point].to_f64());
         self.fine.g(flow, axis, point) - of_coarse
@@ -234,10 +225,9 @@ where
         read: &mut DomainReader,
     ) {
         self.total_pressure(flow, present, problem);
-        let Self { fine, coarse, level, .. } = self;
+        let Self { fine, coarse, .. } = self;
         let pi = fine.source().map_or(&[][..], |source| &source[0]);
-        let own = |own: usize| finer(own).unwrap_or_else(|| static_pressure(pi, flow, own)) - *level;
-        coarse.read_in_domain(own, &mut |at| read(&|point| at(point) + *level));
+        coarse.read_in_domain(|own| finer(own).unwrap_or_else(|| static_pressure(pi, flow, own)), read);
     }
 
     fn for_each_around<'a>(

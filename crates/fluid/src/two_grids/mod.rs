@@ -88,9 +88,8 @@ where
     damped: Vec<f64>,
     /// Room of each thread.
     room: Vec<Room>,
-    /// Coefficients of the coarse pressure, and what makes the mean of the pressure over the domain 0, m²/s².
+    /// Coefficients of the coarse pressure.
     pressure: Vec<f64>,
-    level: f64,
 }
 
 #[derive(Clone)]
@@ -136,7 +135,6 @@ where
             damped: vec![0.0; D * transfer.len()],
             room: vec![room; threads],
             pressure: vec![0.0; transfer.len()],
-            level: 0.0,
             fine: Sbdf2::new(transforms, grid.len()).with_source(),
             below: None,
             coarse,
@@ -571,8 +569,8 @@ where
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R] {
         self.coarse.look(0.0);
-        let (share, of_force) = (self.share(), self.coarse.write_pressure(&mut self.pressure));
-        let Self { fine, coarse, room, pressure, level, .. } = self;
+        let of_force = self.coarse.write_pressure(&mut self.pressure);
+        let Self { fine, coarse, room, pressure, .. } = self;
         let (background, rows) = (&coarse.background, &mut room[0].rows);
         let transfer = &background.transfer;
         let pi = fine.pressure_without(present.cfl(present.step), |w| {
@@ -583,9 +581,6 @@ where
         let at_end = pi[transfer.points_in(0, 0).start * plane..][..plane].iter().map(|pi| pi.to_f64()).sum::<f64>()
             / plane as f64
             - of_force;
-        // Both have no mean over the box, the coarse pressure none over the domain.
-        *level = share * at_end;
-        let at_end = at_end - *level;
         for (plane, pi) in pi.chunks_exact_mut(plane).enumerate() {
             let values = transfer.interpolate(pressure, plane, rows);
             for (pi, of_coarse) in pi.iter_mut().zip(values) {

@@ -164,12 +164,6 @@ impl<const D: usize> Transfer<D> {
         &self.cells
     }
 
-    /// Return the share of the coarse grid under the fine box.
-    pub fn share(&self) -> f64 {
-        let along = self.cells.iter().zip(self.coarse);
-        along.map(|(cells, coarse)| *cells as f64 / coarse as f64).product()
-    }
-
     /// Return room for rows.
     pub fn rows(&self) -> Rows {
         let last = D - 1;

@@ -372,24 +372,43 @@ fn steps_allocate_nothing(mut parameters: Parameters) {
 }
 
 #[test]
-fn pressure_on_two_grids_is_that_on_one() {
+fn pressure_on_two_and_three_grids_is_that_on_one() {
     let h = 0.0125;
     pressure_is_that_on_one(&cylinder(40.0, 12, Some(2), h), &cylinder(40.0, 12, None, h));
+    let (two, one) = (cylinder(40.0, 16, Some(4), h), cylinder(40.0, 16, None, h));
+    pressure_is_that_on_one(&two, &one);
+    pressure_is_that_on_one(&on_three_grids(&two), &one);
 }
 
+/// Around a body the pressure rings from cell to cell, on one grid and otherwise on two: the mean over neighbours counts.
 fn pressure_is_that_on_one(own: &Parameters, of_one: &Parameters) {
     let (h, [mut one, mut two]) = (own.communication_step, [of_one, own].map(new));
     advance(&mut one, 200, h);
     advance(&mut two, 200, h);
-    let ([fine, coarse], [of_one, of_two]) = ([*one.grid(), *two.grid()], [&mut one, &mut two].map(Fluid::pressure));
-    // In front of the cylinder, behind it, in the rim, and outside of the fine box.
-    for [x, y] in [[-1.0, 0.0], [1.0, 0.0], [-1.5, 1.0], [-3.0, 0.5], [5.0, 1.0]] {
-        let at = |grid: &nervure_fluid::Grid, field: &[f64]| {
-            let index = [(x + 4.0) / grid.spacing[0], (y + 4.0) / grid.spacing[1]].map(|i: f64| i.round() as usize);
-            field[index[0] * grid.cells[1] + index[1]]
-        };
-        let [found, expected] = [at(&coarse, &of_two), at(&fine, &of_one)];
-        assert!((found - expected).abs() < 0.02, "at ({x}, {y}) m: {found} beside {expected} Pa");
+    let fields = |fluid: &mut Fluid| {
+        let grids = [fluid.grid_of_bodies(), *fluid.grid()];
+        grids.into_iter().zip([fluid.fine_pressure(), fluid.pressure()]).collect::<Vec<_>>()
+    };
+    let [of_one, of_two] = [&mut one, &mut two].map(fields);
+    let at = |(grid, field): &(nervure_fluid::Grid, Vec<f64>), [x, y]: [f64; 2]| {
+        let index = |axis: usize, at: f64| ((at - grid.point(0)[axis]) / grid.spacing[axis]).round() as usize;
+        field[index(0, x) * grid.cells[1] + index(1, y)]
+    };
+    let [dx, dy] = of_one[0].0.spacing;
+    let smooth = |field: &(nervure_fluid::Grid, Vec<f64>), [x, y]: [f64; 2]| {
+        let weights = [-1.0, 0.0, 1.0].map(|k: f64| (k, 0.5 - 0.25 * k.abs()));
+        let pairs = weights.iter().flat_map(|a| weights.iter().map(move |b| (a, b)));
+        pairs.map(|((i, a), (j, b))| a * b * at(field, [x + i * dx, y + j * dy])).sum::<f64>()
+    };
+    let check = |place: [f64; 2], found: f64, expected: f64| {
+        assert!((found - expected).abs() < 0.01, "at {place:?} m: {found} beside {expected} Pa");
+    };
+    // In front of the cylinder, behind it, and beside it; in the rim, and outside of the fine box.
+    for place in [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+        check(place, smooth(&of_two[0], place), smooth(&of_one[0], place));
+    }
+    for place in [[-1.5, 1.0], [-3.0, 0.5], [5.0, 1.0]] {
+        check(place, at(&of_two[1], place), at(&of_one[1], place));
     }
 }
 
