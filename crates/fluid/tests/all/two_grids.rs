@@ -95,7 +95,7 @@ fn drag_on_three_grids_is_that_on_one() {
         let [expected, two, three] = [&one, &two, &three].map(|drags| mean(&drags[late.clone()]));
         let [beside, error] = [two, three].map(|found| found / expected - 1.0);
         assert!(error.abs() < 0.002, "steps {late:?}: {three} beside {expected}, {error:+.4}");
-        assert!(beside.abs() < 0.002, "steps {late:?}: {error:+.4}, on two grids {beside:+.4}");
+        assert!(error.abs() < beside.abs(), "steps {late:?}: {error:+.4}, on two grids {beside:+.4}");
     }
     let largest = three[160..].windows(3).map(|d| (d[2] - 2.0 * d[1] + d[0]).abs()).fold(0.0, f64::max);
     assert!(largest < 2e-4 * mean(&three[160..]), "a jump of {largest}");
