@@ -29,7 +29,7 @@ impl<const D: usize> OnGrids<D> {
         let image = std::array::from_fn(|axis| low[axis] + (position[axis] - low[axis]).rem_euclid(domain.size[axis]));
         let is_inside = |axis: usize| {
             let cells = (image[axis] - low[axis]) / fine.spacing[axis];
-            1.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
+            2.0 <= cells && cells <= fine.cells[axis] as f64 - 2.0
         };
         if (0..D).all(is_inside) { Self::InBox(image) } else { Self::Outside(position) }
     }
@@ -106,7 +106,11 @@ where
             }
             own
         };
-        (0..values.len()).map(|point| values[place(point)]).collect()
+        let mut ordered: Vec<_> = (0..values.len()).map(|point| values[place(point)]).collect();
+        if self.has_fine_box() {
+            (0..D).for_each(|axis| continue_to_low_end(&mut ordered, cells, axis));
+        }
+        ordered
     }
 
     /// Return the velocity at a probe, numbered from 0, m/s.
@@ -295,6 +299,17 @@ where
     #[cfg(feature = "internals")]
     pub fn timer(&mut self) -> &mut crate::timer::PhaseTimer {
         &mut self.problem.timer
+    }
+}
+
+/// Continue a field by a cubic to the first points along an axis, where the fluid knows the mean of both ends of the box.
+fn continue_to_low_end<const D: usize>(field: &mut [f64], cells: &[usize; D], axis: usize) {
+    let inner: usize = cells[axis + 1..].iter().product();
+    for block in field.chunks_exact_mut(cells[axis] * inner) {
+        for k in 0..inner {
+            let at = |point: usize| block[point * inner + k];
+            block[k] = 4.0 * (at(1) + at(3)) - 6.0 * at(2) - at(4);
+        }
     }
 }
 

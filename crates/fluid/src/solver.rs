@@ -63,7 +63,7 @@ where
     /// Return a velocity component, m/s; in single precision a copy.
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]>;
 
-    /// Return a velocity component on each grid, m/s, that of the bodies first.
+    /// Return a velocity component on each grid at the present time, m/s, that of the bodies first.
     fn velocities(&self, axis: usize) -> Vec<Cow<'_, [f64]>>;
 
     /// Return a velocity component on the grid of the bodies, m/s.
@@ -241,7 +241,7 @@ where
     }
 
     fn velocities(&self, axis: usize) -> Vec<Cow<'_, [f64]>> {
-        self.scheme.flows(&self.flow).into_iter().map(|flow| R::field_to_f64(&flow.velocity[axis])).collect()
+        self.scheme.velocities(&self.flow, axis, 0.0, 0.0)
     }
 
     fn own_velocity(&self, axis: usize) -> Cow<'_, [f64]> {

@@ -1,5 +1,7 @@
 //! Everything that the next step depends on, as data.
 
+use std::borrow::Cow;
+
 use line_fft::{Pack, Real};
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
@@ -176,6 +178,16 @@ stored!(f64, Double, "double", Single, "single");
 stored!(f32, Single, "single", Double, "double");
 
 impl<R: Real, const D: usize> TwoStep<R, D> {
+    /// Return a component of the velocity, m/s, at a time (s) before the end of the `last` step (s) of a flow, linear in it.
+    pub fn velocity<'a>(&self, flow: &'a Flow<R, D>, axis: usize, before: f64, last: f64) -> Cow<'a, [f64]> {
+        let now = R::field_to_f64(&flow.velocity[axis]);
+        if before == 0.0 {
+            return now;
+        }
+        let pairs = now.iter().zip(&*self.before.velocity[axis]);
+        pairs.map(|(now, then)| now + before / last * (then.to_f64() - now)).collect()
+    }
+
     /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         self.before.copy_from(&other.before);

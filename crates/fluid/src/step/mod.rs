@@ -148,9 +148,10 @@ where
         self.for_each_in_domain(flow, points, visit);
     }
 
-    /// Return the flows of all grids, the finest first.
-    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
-        vec![flow]
+    /// Return a component of the velocity on each grid, m/s, that of the bodies first, at a time (s) before the end of the
+    /// `last` step (s) of `flow`: coarser flows may be ahead.
+    fn velocities<'a>(&'a self, flow: &'a Flow<R, D>, axis: usize, _: f64, _last: f64) -> Vec<Cow<'a, [f64]>> {
+        vec![R::field_to_f64(&flow.velocity[axis])]
     }
 
     /// Return the flow that has all points of the domain.

@@ -20,6 +20,7 @@
 //! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
 //! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which gives the impedance of the loads.
 
+use std::borrow::Cow;
 use std::mem::swap;
 use std::ops::Range;
 
@@ -378,6 +379,10 @@ where
         let Self { memory, transforms, w, .. } = self;
         transforms.pressure(&memory.w, memory.inv_tau, present.cfl(present.step), &mut w[0]);
         &w[0]
+    }
+
+    fn velocities<'a>(&'a self, flow: &'a Flow<R, D>, axis: usize, before: f64, last: f64) -> Vec<Cow<'a, [f64]>> {
+        vec![self.memory.velocity(flow, axis, before, last)]
     }
 
     fn divergence(&mut self, velocity: &[Field<R>; D]) -> &[R] {

@@ -70,6 +70,7 @@ where
     patch: Patch<R, T, D>,
     problem: Problem<D>,
     present: Present<D>,
+    /// Fine steps in a coarse one: a gust is known for one alone.
     ratio: usize,
     spacing: [f64; D],
     /// What the last step has lost, for a fine step that fails: the flow two steps earlier, `1/tau` and the step before the
@@ -111,7 +112,7 @@ where
             present: Present::without_bodies(&grid, velocity),
             problem: Problem::new(&parameters.without_bodies()),
             patch: Patch::new(&grid, fine.cells),
-            ratio: fine.ratio,
+            ratio: if parameters.gust.is_some() { 1 } else { fine.ratio },
             spacing: grid.spacing,
             room: FilterRoom::default(),
             background: Background { transfer, now: vec![0.0; numbers] },

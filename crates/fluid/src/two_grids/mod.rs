@@ -181,13 +181,19 @@ where
             }
             let forwards = left > 0.0;
             let transfer = &self.coarse.background.transfer;
+            // The points of a coarse cell, and the seam at its other end.
             let changing = transfer.points_in(axis, if forwards { 0 } else { transfer.cells()[axis] - 1 });
-            let mut points = problem.grid.cells.map(|cells| 0..cells);
-            points[axis] = changing;
-            self.add_coarse_at(&points, -1.0, flow, present.step);
+            let seam = transfer.points_in(axis, usize::from(forwards)).start;
+            let all = problem.grid.cells.map(|cells| 0..cells);
+            let parts = [changing, seam..seam + 1].map(|along| {
+                let mut points = all.clone();
+                points[axis] = along;
+                points
+            });
+            parts.iter().for_each(|points| self.add_coarse_at(points, -1.0, flow, present.step));
             self.coarse.shift(axis, forwards);
             self.place_rim();
-            self.add_coarse_at(&points, 1.0, flow, present.step);
+            parts.iter().for_each(|points| self.add_coarse_at(points, 1.0, flow, present.step));
         }
     }
 
@@ -616,9 +622,11 @@ where
         self.coarse.scheme.for_each_in_domain(self.coarse.flow(), points, visit);
     }
 
-    fn flows<'a>(&'a self, flow: &'a Flow<R, D>) -> Vec<&'a Flow<R, D>> {
-        let coarser = self.coarse.scheme.flows(self.coarse.flow());
-        [flow].into_iter().chain(coarser).collect()
+    fn velocities<'a>(&'a self, flow: &'a Flow<R, D>, axis: usize, before: f64, last: f64) -> Vec<Cow<'a, [f64]>> {
+        let (own, Coarse { link, scheme, .. }) =
+            (self.fine.two_step().velocity(flow, axis, before, last), &self.coarse);
+        let coarser = scheme.velocities(self.coarse.flow(), axis, before + link.ahead, link.length);
+        [own].into_iter().chain(coarser).collect()
     }
 
     fn of_domain<'a>(&'a self, _: &'a Flow<R, D>) -> &'a Flow<R, D> {

@@ -5,7 +5,8 @@
 //! and smooths. Both are products over the axes.
 //!
 //! The fine points are periodic: a box that moves by a coarse cell leaves them in place, and the cells that it leaves
-//! behind become those that it newly covers.
+//! behind become those that it newly covers. At the seam, where its ends meet, a fine point is half at each of them: it has
+//! the mean of both values and gives a half to each, so that no end is another one in a mirror.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -33,7 +34,7 @@ pub struct Transfer<const D: usize> {
     turned: [usize; D],
     /// Coarse points along each axis, in the first period, from [`REACH`] points before the first coefficient on.
     places: [Vec<usize>; D],
-    /// Place on the patch of each of them, see [`Transfer::in_patch`].
+    /// Point of each of them on the patch, the periodic box of coarse cells under the fine box.
     on_patch: Vec<u32>,
     /// Coarse points along each axis.
     coarse: [usize; D],
@@ -67,12 +68,15 @@ impl<const D: usize> Transfer<D> {
             coarse: coarse.cells,
             weights: (0..fine.ratio).map(|p| cubic(p as f64 / fine.ratio as f64)).collect(),
             filter: low_pass(),
-            on_patch: vec![],
+            on_patch: vec![0],
         };
         own.place(&[0; D]);
-        let mut on_patch = vec![];
-        own.for_each_place(0, 0, &mut |point| on_patch.push(own.in_patch(point) as u32));
-        own.on_patch = on_patch;
+        for (places, cells) in own.places.iter().zip(own.cells) {
+            let along = |i: usize| ((i + cells - 1 - REACH) % cells) as u32;
+            let next =
+                own.on_patch.iter().flat_map(|before| (0..places.len()).map(move |i| before * cells as u32 + along(i)));
+            own.on_patch = next.collect();
+        }
         own
     }
 
@@ -170,8 +174,7 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
-    /// Write the coefficients of a field that is given at a coarse point and its place on the patch, see
-    /// [`Self::in_patch`].
+    /// Write the coefficients of a field that is given at a coarse point and its place on the patch.
     pub fn write_coefficients(
         &self,
         at: impl Fn(usize, usize) -> f64,
@@ -250,21 +253,6 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
-    /// Return the point of the periodic patch of coarse cells under the fine box at the place of a coarse one.
-    fn in_patch(&self, point: usize) -> usize {
-        let (mut rest, mut own, mut stride) = (point, 0, 1);
-        for axis in (0..D).rev() {
-            let from_first = rest % self.coarse[axis] + self.coarse[axis] - self.places[axis][1 + REACH];
-            let nearest = from_first % self.coarse[axis];
-            // A point before the first one is nearer to it than one period.
-            let before = self.coarse[axis] - nearest;
-            own += stride * if before <= REACH + 1 { self.cells[axis] - before } else { nearest % self.cells[axis] };
-            stride *= self.cells[axis];
-            rest /= self.coarse[axis];
-        }
-        own
-    }
-
     /// Return the number of points of a plane of the patch across x.
     pub fn points_of_patch_plane(&self) -> usize {
         self.cells[1..].iter().product()
@@ -276,12 +264,12 @@ impl<const D: usize> Transfer<D> {
         if point >= first { point - first } else { point + self.coarse[axis] - first }
     }
 
-    /// Return the fine point at the place of a coarse one, if it is in the fine box.
+    /// Return the fine point at the place of a coarse one, if it is between the ends of the fine box.
     pub fn in_box(&self, point: usize) -> Option<usize> {
         let (mut rest, mut own, mut stride) = (point, 0, 1);
         for axis in (0..D).rev() {
             let from_first = self.points_behind(axis, rest % self.coarse[axis]);
-            if from_first >= self.cells[axis] {
+            if !(1..self.cells[axis]).contains(&from_first) {
                 return None;
             }
             own += self.points_in(axis, from_first).start * stride;
@@ -291,15 +279,15 @@ impl<const D: usize> Transfer<D> {
         Some(own)
     }
 
-    /// Call `visit` with some coarse points, each with the fine one at its place if it is in the fine box.
+    /// Call `visit` with some coarse points, each with the fine one at its place if it is between the ends of the fine box.
     pub fn for_each_of(&self, points: Range<usize>, mut visit: impl FnMut(usize, Option<usize>)) {
-        let (length, first) = (self.coarse[D - 1], self.places[D - 1][1 + REACH]);
+        let (length, second) = (self.coarse[D - 1], self.places[D - 1][2 + REACH]);
         for row in points.start / length..points.end.div_ceil(length) {
             let start = row * length;
-            let own = self.in_box(start + first).map(|own| own - self.points_in(D - 1, 0).start);
+            let own = self.in_box(start + second).map(|own| own - self.points_in(D - 1, 1).start);
             for point in start.max(points.start)..(start + length).min(points.end) {
                 let from_first = self.points_behind(D - 1, point - start);
-                let inside = own.filter(|_| from_first < self.cells[D - 1]);
+                let inside = own.filter(|_| (1..self.cells[D - 1]).contains(&from_first));
                 visit(point, inside.map(|own| own + self.points_in(D - 1, from_first).start));
             }
         }
@@ -318,6 +306,10 @@ impl<const D: usize> Transfer<D> {
         let (behind, ahead) = values.split_at_mut(turned * self.ratio);
         self.expand_cells(coefficients, ahead);
         self.expand_cells(&coefficients[self.cells[D - 1] - turned..], behind);
+        let seam = &mut values[turned * self.ratio];
+        *seam *= 0.5;
+        let (last, weights) = self.half_of_end(D - 1);
+        coefficients[last..].iter().zip(weights).for_each(|(c, w)| *seam += w * c);
     }
 
     /// Write the fine values of some neighbouring coarse cells.
@@ -336,10 +328,20 @@ impl<const D: usize> Transfer<D> {
         }
     }
 
-    /// Return the first coefficient of a fine point along an axis, and the weights from there on.
+    /// Return the first coefficient of a fine point along an axis, and the weights from there on: one or both of its ends.
     #[inline(always)]
-    fn weights_at(&self, axis: usize, point: usize) -> (usize, [f64; 4]) {
-        (self.cell(axis, point), self.weights[point % self.ratio])
+    fn weights_at(&self, axis: usize, point: usize) -> impl Iterator<Item = (usize, [f64; 4])> {
+        let (cell, weights) = (self.cell(axis, point), self.weights[point % self.ratio]);
+        let is_seam = point == self.turned[axis] * self.ratio;
+        let own = if is_seam { weights.map(|weight| 0.5 * weight) } else { weights };
+        [Some((cell, own)), is_seam.then(|| self.half_of_end(axis))].into_iter().flatten()
+    }
+
+    /// Return the same of the upper end of the box, halved.
+    #[inline(always)]
+    fn half_of_end(&self, axis: usize) -> (usize, [f64; 4]) {
+        let [a, b, c, _] = self.weights[0];
+        (self.cells[axis] - 1, [0.0, a, b, c].map(|weight| 0.5 * weight))
     }
 
     /// Return the coarse cells along the last axis that lie between rims of a width in cells.
@@ -366,9 +368,10 @@ impl<const D: usize> Transfer<D> {
         }
         of_row.fill(0.0);
         gather(of_row);
-        let (first, weights) = self.weights_at(1, row);
-        for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
-            of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
+        for (first, weights) in self.weights_at(1, row) {
+            for (of_plane, weight) in of_plane[first * last..].chunks_exact_mut(last).zip(weights) {
+                of_plane.iter_mut().zip(&*of_row).for_each(|(sum, own)| *sum += weight * own);
+            }
         }
     }
 
@@ -388,26 +391,33 @@ impl<const D: usize> Transfer<D> {
                 }
             }
         }
+        let seam = values[self.turned[D - 1] * self.ratio];
+        let (last, of_end) = self.half_of_end(D - 1);
+        for k in 0..4 {
+            coefficients[k] -= 0.5 * self.weights[0][k] * seam;
+            coefficients[last + k] += of_end[k] * seam;
+        }
     }
 
     /// Add the restriction of all planes, whose own sums are `of_planes`, to `sums`.
     pub fn restrict_planes<'a>(&self, of_planes: impl Iterator<Item = &'a [f64]>, factor: f64, sums: &mut [f64]) {
         let (length, factor) = (self.plane_len(), factor / self.fine_cells());
         for (plane, of_plane) in of_planes.enumerate() {
-            let (first, weights) = self.weights_at(0, plane);
-            for (sums, weight) in sums[first * length..].chunks_exact_mut(length).zip(weights) {
-                sums.iter_mut().zip(of_plane).for_each(|(sum, own)| *sum += factor * weight * own);
+            for (first, weights) in self.weights_at(0, plane) {
+                for (sums, weight) in sums[first * length..].chunks_exact_mut(length).zip(weights) {
+                    sums.iter_mut().zip(of_plane).for_each(|(sum, own)| *sum += factor * weight * own);
+                }
             }
         }
     }
 
-    /// Add the restriction of `value` at one fine point.
+    /// Add the restriction of `value` at one fine point, which is not at the seam.
     pub fn restrict_point(&self, index: usize, value: [f64; D], sums: &mut [f64]) {
         let (extent, field, mut rest) = (self.extent(), self.len(), index);
         let mut along = [(0, [0.0; 4]); D];
         for axis in (0..D).rev() {
             let points = self.cells[axis] * self.ratio;
-            along[axis] = self.weights_at(axis, rest % points);
+            along[axis] = (self.cell(axis, rest % points), self.weights[rest % self.ratio]);
             rest /= points;
         }
         let scale = 1.0 / self.fine_cells();
@@ -465,14 +475,12 @@ impl<const D: usize> Kernel for Interpolation<'_, D> {
     #[inline(always)]
     fn run(self, _: impl Arithmetic<f64>) {
         let Self { transfer, coefficients, plane, rows: Rows { plane: of_plane, row: of_row, values } } = self;
-        let (first, weights) = transfer.weights_at(0, plane);
-        combine(&coefficients[first * of_plane.len()..], &weights, of_plane);
+        combine(coefficients, transfer.weights_at(0, plane), of_plane);
         if D == 2 {
             return transfer.expand(of_plane, values);
         }
         for (row, values) in values.chunks_exact_mut(transfer.row_points()).enumerate() {
-            let (first, weights) = transfer.weights_at(1, row);
-            combine(&of_plane[first * of_row.len()..], &weights, of_row);
+            combine(of_plane, transfer.weights_at(1, row), of_row);
             transfer.expand(of_row, values);
         }
     }
@@ -492,14 +500,19 @@ fn expand<const RATIO: usize>(weights: &[[f64; 4]], coefficients: &[f64], values
     }
 }
 
-/// Write the sum of four neighbouring planes or rows with weights.
+/// Write the sum of neighbouring planes or rows, four from each first one on, with weights.
 #[inline(always)]
-fn combine(coefficients: &[f64], weights: &[f64; 4], sum: &mut [f64]) {
+fn combine(coefficients: &[f64], terms: impl Iterator<Item = (usize, [f64; 4])>, sum: &mut [f64]) {
     let length = sum.len();
-    let (a, b) = (&coefficients[..length], &coefficients[length..][..length]);
-    let (c, d) = (&coefficients[2 * length..][..length], &coefficients[3 * length..][..length]);
-    for (i, sum) in sum.iter_mut().enumerate() {
-        *sum = weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
+    for (term, (first, weights)) in terms.enumerate() {
+        let of = |k: usize| &coefficients[(first + k) * length..][..length];
+        let (a, b, c, d) = (of(0), of(1), of(2), of(3));
+        let value = |i: usize| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i] + weights[3] * d[i];
+        if term == 0 {
+            sum.iter_mut().enumerate().for_each(|(i, sum)| *sum = value(i));
+        } else {
+            sum.iter_mut().enumerate().for_each(|(i, sum)| *sum += value(i));
+        }
     }
 }
 
