@@ -34,24 +34,6 @@ const LAW: BodyLaw =
 
 const SUPPORT: Option<Support> = Some(Support { stiffness: 0.0, damping: 0.0, rest: 0.0 });
 
-trait Solved<const D: usize>: Kinematics<D> {
-    fn step(step: &MountedStep<D>) -> SpringMotion<D>
-    where
-        [f64; D]: Kinematics<D>;
-}
-
-impl Solved<2> for [f64; 2] {
-    fn step(step: &MountedStep<2>) -> SpringMotion<2> {
-        step.solve(&Drag::default())
-    }
-}
-
-impl Solved<3> for [f64; 3] {
-    fn step(step: &MountedStep<3>) -> SpringMotion<3> {
-        step.solve(&Drag::default())
-    }
-}
-
 fn pose<const D: usize>(body: &Free<D>, at: &rigid::Pose<D>) -> Pose<D>
 where
     [f64; D]: Kinematics<D>,
@@ -63,7 +45,7 @@ where
 
 impl<const D: usize> World<D>
 where
-    [f64; D]: Solved<D>,
+    [f64; D]: Kinematics<D>,
 {
     fn new(bodies: Vec<Free<D>>, obstacles: Vec<Obstacle<D>>, law: &BodyLaw) -> Self {
         let moving = bodies.iter().map(|body| {
@@ -92,7 +74,7 @@ where
         for (k, (body, carried)) in self.bodies.iter().enumerate() {
             let inertia = from_fn(|i| from_fn(|j| if i == j { body.inertia } else { 0.0 }));
             let weight = join::<D>(&(self.gravity * body.mass), Default::default());
-            let motion = <[f64; D]>::step(&MountedStep {
+            let step = MountedStep {
                 supports: &[SUPPORT; 6],
                 carried,
                 c,
@@ -101,7 +83,8 @@ where
                 fluid: none,
                 weight,
                 predicted: carried.predicted(h, self.last).rates(),
-            });
+            };
+            let motion = step.solve(&Drag::default());
             let poses = [pose(body, &carried.now), pose(body, &motion.displacement)];
             let (rates, matrix) = (motion.displacement.rates(), motion.matrix);
             *self.contacts.motion_mut(k) = PartMotion { poses, rates, matrix, free: [true; 6] };
@@ -140,7 +123,7 @@ fn floor<const D: usize>() -> Obstacle<D> {
 /// Return the speed after a fall of a ball of 2 kg at 1 m/s on a floor.
 fn rebound<const D: usize>(law: &BodyLaw) -> f64
 where
-    [f64; D]: Solved<D>,
+    [f64; D]: Kinematics<D>,
 {
     let mut place = [0.0; D];
     // So thick that what keeps it from half its thickness adds nothing.
@@ -222,7 +205,7 @@ impl Random {
 /// largest energy over that at the start.
 fn fly<const D: usize>(random: &mut Random, law: &BodyLaw) -> f64
 where
-    [f64; D]: Solved<D>,
+    [f64; D]: Kinematics<D>,
 {
     let mut bodies = Vec::<Free<D>>::new();
     for k in 0..4 {

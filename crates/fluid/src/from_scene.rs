@@ -190,7 +190,7 @@ where
     [f64; D]: Space<D>,
 {
     let own = scene.contact.as_ref()?;
-    let law = own.law_of_bodies(scene, fluid);
+    let law = own.law_of_bodies(scene);
     let walls = fluid.channel.as_ref().map_or([None; 3], |channel| [channel.x, channel.y, channel.z]);
     let skin = |beam: scene::BeamWithRod| {
         let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();

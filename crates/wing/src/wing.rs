@@ -157,8 +157,7 @@ impl Wing {
         let Core { state, rest, product, .. } = core;
         let mut energy = elastic.energy(&state.positions)?;
         if let Some(contact) = &mut newton.contact {
-            contact.begin_static();
-            energy.contact = contact.energy(&elastic.faces, &state.positions);
+            energy.contact = contact.energy(&elastic.faces, &state.positions)?;
         }
         elastic.mass_times(&state.velocities, product);
         energy.kinetic = 0.5 * product.iter().zip(&state.velocities).map(|(p, v)| p.dot(v)).sum::<f64>();

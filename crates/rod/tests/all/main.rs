@@ -16,3 +16,5 @@ mod shear;
 mod statics;
 mod stations;
 mod taper;
+#[path = "../common/thrown.rs"]
+mod thrown;

@@ -8,5 +8,7 @@ mod meshes;
 mod plates;
 mod root;
 mod section;
+#[path = "../common/thrown.rs"]
+mod thrown;
 mod twists;
 mod veins;
