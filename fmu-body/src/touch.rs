@@ -66,7 +66,8 @@ impl Touch {
         };
         for (k, body) in solids.iter().enumerate() {
             let poses: [Pose<3>; 2] = [t, t + step.h].map(|t| body.place_at(t));
-            *solver.motion_mut(k + 1) = PartMotion { rates: rates(&poses, step.h), poses, ..PartMotion::still(poses[1]) };
+            *solver.motion_mut(k + 1) =
+                PartMotion { rates: rates(&poses, step.h), poses, ..PartMotion::still(poses[1]) };
         }
         match solver.solve(step.c[0], step.h) {
             Ok(changes) => Ok(changes.map(|changes| changes[0])),

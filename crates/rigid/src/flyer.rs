@@ -90,13 +90,7 @@ impl Flyer {
     ///
     /// `responses` are what the hinges bear in this step if the body moves as its reference, `reactions` what they bore
     /// at the end of the last step.
-    pub fn step(
-        &mut self,
-        h: f64,
-        responses: &[RootResponse],
-        reactions: &[Freedoms],
-        fluid: &FluidLoad,
-    ) -> FreeStep {
+    pub fn step(&mut self, h: f64, responses: &[RootResponse], reactions: &[Freedoms], fluid: &FluidLoad) -> FreeStep {
         let reference = self.body.reference(h);
         let known = reference.rates();
         let mut load = fluid.drag;

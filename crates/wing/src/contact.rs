@@ -128,13 +128,7 @@ impl Contacts {
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
-    pub(crate) fn look(
-        &mut self,
-        faces: &[Face],
-        x: &[Vector],
-        velocity: &[Vector],
-        dt: f64,
-    ) -> Result<(), WingError> {
+    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
         let closer = 2.0 * dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         self.look_from(faces, x, closer)?;
         let mut near = !self.obstacles.are_still();

@@ -243,33 +243,39 @@ impl Itself {
         (p - corners[0] * a - corners[1] * b - corners[2] * c).norm() > self.apart
     }
 
-    /// Return the closest points on the neighbours of a triangle that point `m` at `p` may touch.
+    /// Return the closest points to `p` on the triangles that share the edge or the node on which that of a layer lies.
     fn beside<'a>(
         &'a self,
         faces: &'a [Face],
         x: &'a [Vector],
         p: Vector,
-        m: usize,
-        t: usize,
+        Spot { triangle, shares }: Spot,
     ) -> impl Iterator<Item = Layer> + 'a {
-        let allowed = self.neighbours[t].iter().map(|&t| t as usize).filter(move |&t| self.is_apart(m, t));
-        allowed.map(move |t| layer(faces, x, p, t))
+        let is_inside = shares.iter().all(|share| *share > 0.0);
+        let neighbours = if is_inside { &[][..] } else { &self.neighbours[triangle] };
+        let touches = move |t: usize| {
+            let own = faces[triangle].nodes.into_iter().zip(shares).filter(|(_, share)| *share > 0.0);
+            own.fold(true, |all, (node, _)| all && faces[t].nodes.contains(&node))
+        };
+        neighbours.iter().map(|&t| t as usize).filter(move |&t| touches(t)).map(move |t| layer(faces, x, p, t))
     }
 
-    /// Return whether no neighbour of a triangle is closer to point `m` at `p`.
+    /// Return whether the closest point to `p`, which is point `m`, of a triangle is that of the membrane around it.
     fn is_closest(&self, faces: &[Face], x: &[Vector], p: Vector, m: usize, own: &Layer) -> bool {
         let order = |layer: &Layer| (layer.distance, layer.spot.triangle);
-        self.beside(faces, x, p, m, own.spot.triangle).all(|other| order(own) < order(&other))
+        let mut beside = self.beside(faces, x, p, own.spot);
+        beside.all(|other| order(own) < order(&other) || !self.is_apart(m, other.spot.triangle))
     }
 
     /// Return the closest point to `p`, which is point `m`, of the layer near triangle `t`.
     fn walk(&self, faces: &[Face], x: &[Vector], p: Vector, m: usize, t: usize) -> Layer {
         let mut best = layer(faces, x, p, t);
         loop {
-            let next = self.beside(faces, x, p, m, best.spot.triangle).min_by(|a, b| a.distance.total_cmp(&b.distance));
-            match next {
-                Some(next) if next.distance < best.distance => best = next,
-                _ => return best,
+            let closer = |other: &Layer| other.distance < best.distance && self.is_apart(m, other.spot.triangle);
+            let next = self.beside(faces, x, p, best.spot).filter(closer);
+            match next.min_by(|a, b| a.distance.total_cmp(&b.distance)) {
+                Some(next) => best = next,
+                None => return best,
             }
         }
     }

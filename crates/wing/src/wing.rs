@@ -214,7 +214,7 @@ impl Wing {
         self.newton.contact.as_ref().map_or(&[], |contact| &contact.forces)
     }
 
-    /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
+    /// Return the number of pairs of triangles that cross each other: without contact nothing holds the parts apart.
     pub fn crossings(&mut self) -> usize {
         let (faces, x) = (&self.elastic.faces, &self.core.state.positions);
         self.crossings.count(|k| faces[k].nodes, |node| x[node].into())

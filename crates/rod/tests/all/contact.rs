@@ -6,7 +6,6 @@ use nervure_rod::{BaseMotion, Contact, Law, Obstacle, Parameters, Pose, Rod, Roo
 
 use crate::thrown::{SECTION, contact, throw};
 
-
 /// A rod that lies on the ground, with its pinned root at the height h: it is lifted over (24 EI h/w)^¼ = s, and the
 /// root slopes by 2 h/s.
 #[test]

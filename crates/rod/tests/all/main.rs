@@ -16,5 +16,4 @@ mod shear;
 mod statics;
 mod stations;
 mod taper;
-#[path = "../common/thrown.rs"]
 mod thrown;

@@ -8,7 +8,6 @@ mod meshes;
 mod plates;
 mod root;
 mod section;
-#[path = "../common/thrown.rs"]
 mod thrown;
 mod twists;
 mod veins;

@@ -23,6 +23,19 @@ pub fn parameters(contact: Contact, height: f64) -> Parameters {
     Parameters { contact, ..Parameters::new(mesh, Membrane::plate(1e8, 0.3, 1e-3, 1e3 * AREAL)) }
 }
 
+/// Return a wing like another one, with two halves of so many triangles and a soft strip between them.
+pub fn book(mut own: Parameters, along: usize) -> Parameters {
+    let height = own.mesh.nodes[0][2];
+    own.mesh = rectangle(0.2, 0.1, along);
+    own.mesh.nodes.iter_mut().for_each(|node| node[2] = height);
+    let middle = |[i, j, k]: &[usize; 3]| [i, j, k].map(|n| own.mesh.nodes[*n][0]).iter().sum::<f64>() / 3.0;
+    own.regions =
+        own.mesh.triangles.iter().map(|t| usize::from((middle(t) - 0.1).abs() < 0.2 / along as f64)).collect();
+    let stiff = own.membranes[0];
+    own.membranes.push(Membrane { bending_stiffness: 1e-3 * stiff.bending_stiffness, ..stiff });
+    own
+}
+
 pub fn floor() -> Obstacle<3> {
     Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0])
 }
@@ -59,18 +72,22 @@ pub fn throw(seed: u64) -> Result<[f64; 3], String> {
     touch.law.damping = random.between(-100.0, 100.0).max(0.0);
     touch.law.friction = random.between(-1.0, 1.0).max(0.0);
     let mut own = parameters(touch, 0.22);
-    // From a stiff plate to one that folds.
-    own.membranes = vec![Membrane::plate(10_f64.powf(random.between(5.0, 8.0)), 0.3, 1e-3, 1e3 * AREAL)];
+    let closes = !seed.is_multiple_of(2);
+    if closes {
+        own = book(own, 6);
+    }
     own.gravity = [0.0, 0.0, -9.81];
     own.relaxation_time = 1e-3;
     own.scheme = if random.between(0.0, 1.0) < 0.5 { Scheme::TrBdf2 } else { Scheme::Bdf2 };
     let mut wing = own.build().expect("a wing");
     let spin = [0, 1, 2].map(|_| random.between(-5.0, 5.0));
     let speed = random.between(0.0, 2.0);
+    let closing = if closes { random.between(10.0, 20.0) } else { 0.0 };
     let nodes = wing.parameters().mesh.nodes.clone();
     let turning = nodes.iter().map(|[x, y, _]| {
         let arm = [x - 0.1, y - 0.05];
-        [-spin[2] * arm[1], spin[2] * arm[0], spin[0] * arm[1] - spin[1] * arm[0] - speed]
+        let up = spin[0] * arm[1] - spin[1] * arm[0] - speed + closing * arm[0].abs();
+        [-spin[2] * arm[1], spin[2] * arm[0], up]
     });
     wing.set_velocities(&turning.collect::<Vec<_>>()).expect("velocities");
     let (start, scale) = (energy(&mut wing), wing.energy().expect("an energy").kinetic + AREAL * 0.02 * 9.81 * 0.2);
