@@ -1,6 +1,6 @@
 //! Contact of the membrane with obstacles, and with itself.
 
-use nervure_wing::{Contact, Membrane, Obstacle, Parameters, Pose, Root, rectangle};
+use nervure_wing::{Contact, Membrane, Obstacle, Parameters, Pose, Root};
 
 use crate::thrown::{AREAL, RANGE, STEP, book, contact, energy, floor, parameters, throw};
 
