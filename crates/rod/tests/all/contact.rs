@@ -145,8 +145,11 @@ fn arms_of_a_rod_that_meet_bounce_without_a_net_force() {
 
 #[test]
 fn a_rod_thrown_between_obstacles_gains_no_energy_and_stays_outside() {
+    let mut all = 0.0;
     for outcome in (0..3).flat_map(|seed| [throw::<2>(seed), throw::<3>(seed)]) {
         let [touched, gain, depth] = outcome.unwrap();
-        assert!(touched > 10.0 && gain < 0.01 && depth < 1.0, "{touched} steps, {gain} of the energy, {depth} deep");
+        assert!(gain < 0.01 && depth < 1.0, "{gain} of the energy, {depth} deep");
+        all += touched;
     }
+    assert!(all > 150.0, "{all} steps in contact");
 }
