@@ -1,5 +1,6 @@
 //! FMI co-simulation unit of a free rigid body that carries wings and rods at driven hinges.
 
+mod touch;
 mod unit;
 mod variables;
 
@@ -18,8 +19,7 @@ impl Model for BodyUnit {
     }
 
     fn build(&mut self) -> Result<(), String> {
-        BodyUnit::build(self);
-        Ok(())
+        BodyUnit::build(self)
     }
 
     fn description(&self) -> Description {
@@ -35,7 +35,7 @@ impl Model for BodyUnit {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
-        self.start(start);
+        self.start(start)?;
         log.info(format_args!("{} hinges, start at t = {start} s", self.hinges.len()));
         Ok(())
     }

@@ -9,6 +9,8 @@ use rigid::{
 use scene::{FlyerHinge, FreedomName, Inertia, Scene};
 use serde::{Deserialize, Serialize};
 
+use crate::touch::Touch;
+
 const BUILT: &str = "an instance has a body";
 
 /// The unit of a free body.
@@ -20,6 +22,7 @@ pub struct BodyUnit {
     pub gravity: [f64; 3],
     /// None in a description.
     flyer: Option<Flyer>,
+    touch: Option<Touch>,
     pub hinges: Vec<Carrying>,
     /// Length of the coming step, s.
     pub step: f64,
@@ -98,6 +101,7 @@ impl BodyUnit {
             mass: own.mass,
             gravity: own.gravity,
             flyer: None,
+            touch: None,
             fluid,
             time: 0.0,
             angle: [0.0; 3],
@@ -107,7 +111,7 @@ impl BodyUnit {
     }
 
     /// Build the body, at its start.
-    pub fn build(&mut self) {
+    pub fn build(&mut self) -> Result<(), String> {
         let own = &self.own;
         let [x, y, z] = match own.inertia {
             Inertia::Same(about) => [about; 3],
@@ -138,13 +142,17 @@ impl BodyUnit {
         let start = Placed { velocity: own.velocity.into(), omega: own.angular_velocity.into(), ..body.state.now };
         let mut flyer = Flyer::new(body, own.hinges.iter().map(|hinge| hinge.position.into()).collect());
         flyer.place(start);
+        let displaced = self.fluid.as_ref().map_or(0.0, |fluid| fluid.displaced.0);
+        self.touch = Touch::new(&self.scene, flyer.body(), displaced)?;
         (self.flyer, self.angle) = (Some(flyer), [0.0; 3]);
+        Ok(())
     }
 
     /// Begin at time `t`, s.
-    pub fn start(&mut self, t: f64) {
-        self.build();
+    pub fn start(&mut self, t: f64) -> Result<(), String> {
+        self.build()?;
         self.time = t;
+        Ok(())
     }
 
     /// Return the body.
@@ -200,9 +208,21 @@ impl BodyUnit {
             load.displaced = Mass { mass: *mass, inertia: inertia.into(), arm: turn * arm };
         }
         let flyer = self.flyer.as_mut().expect(BUILT);
-        flyer.step(h, &responses, &reactions, &load);
-        if !flyer.body().state.now.is_finite() {
+        let step = flyer.step(h, &responses, &reactions, &load);
+        let end = flyer.body().state.now;
+        let pushed = match &mut self.touch {
+            Some(touch) if end.is_finite() => touch.solve(t, &step, &end),
+            _ => Ok(None),
+        };
+        if let Ok(Some(change)) = &pushed {
+            flyer.change(&step, change, &responses);
+        }
+        let is_finite = flyer.body().state.now.is_finite();
+        if !is_finite || pushed.is_err() {
             flyer.restore(&before);
+        }
+        pushed?;
+        if !is_finite {
             return Err("the place of the body is no finite number".into());
         }
         self.time = t + h;
@@ -218,7 +238,7 @@ impl BodyUnit {
         if !state.flyer.body.now.is_finite() || !state.flyer.body.before.is_finite() {
             return Err("the place of the body is no finite number".into());
         }
-        self.build();
+        self.build()?;
         self.flyer.as_mut().expect(BUILT).restore(&state.flyer);
         (self.time, self.angle) = (state.time, state.angle);
         Ok(())

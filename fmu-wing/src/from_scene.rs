@@ -45,6 +45,7 @@ pub fn parameters(scene: &Scene, own: &scene::Wing) -> Parameters {
         displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * fluid.largest_cell()),
         contact: scene.contact.as_ref().map(|contact| Contact {
             law: contact.law_of_wing(scene, own),
+            with_itself: true,
             obstacles: adapter::obstacles_in_space(scene),
         }),
         scheme: own.scheme,

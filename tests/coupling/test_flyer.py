@@ -109,6 +109,51 @@ def test_a_rod_and_a_wing_hang_at_one_body_that_falls(tmp_path):
     assert rod["tip.uz"] == pytest.approx(body["z"], abs=1e-6)
 
 
+def test_a_flyer_without_a_fluid_bounces_and_comes_to_rest_on_the_ground(tmp_path):
+    """The wings weigh on the body, which carries them on the springs of the contact."""
+    scene, down = pair(), [0.0, 0.0, -9.81]
+    for own in scene["wings"]:
+        own["wing"]["gravity"] = down
+    ground = {"shape": {"cuboid": {"lengths": [2.0, 2.0, 0.2]}}, "position": [0.0, 0.0, -0.2], "pivot": [0.0] * 3}
+    ball = {"shape": {"sphere": {"radius": 0.05}}, "position": [0.0] * 3, "pivot": [0.0] * 3}
+    scene["flyer"] |= {"gravity": down, "solid": ball, "held": ["angle_x", "angle_y"]}
+    scene["contact"] = {"range": 0.015, "damping": 100.0, "obstacles": [ground]}
+    scene["time"]["end"] = 1.5
+    for hinge in scene["flyer"]["hinges"]:
+        del hinge["motion"]
+    heights, speeds = [], []
+    with Session(nervure.Scene.model_validate(scene), tmp_path) as session:
+        session.start()
+        for _ in range(300):
+            session.step()
+            found = outputs(session)
+            heights.append(found["z"])
+            speeds.append(found["vz"])
+    # The surface of the ball meets the ground at z = -0.05 m, at z = -0.075 m to half its radius.
+    assert min(heights) > -0.075 and min(speeds) < -0.6, f"down to {min(heights)} m, by {min(speeds)} m/s"
+    assert max(speeds) > 0.05, "it does not bounce"
+    # Its wings still swing.
+    last = heights[-100:]
+    assert min(last) > -0.06 and max(last) < -0.03, f"at last from {min(last)} m to {max(last)} m"
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"position": [0.0, 0.0, 1.0]}, "the flyer is at"),
+        ({"motion": "master"}, "the flyer moves it"),
+        ({"shape": {"ellipsoid": {"lengths": [0.1] * 3}}}, "what touches is a circle"),
+    ],
+)
+def test_a_solid_that_a_flyer_cannot_have_is_refused(change, fault):
+    scene = pair()
+    ball = {"shape": {"sphere": {"radius": 0.05}}, "position": [0.0] * 3, "pivot": [0.0] * 3}
+    scene["flyer"]["solid"] = ball | change
+    scene["contact"] = {"range": 0.01}
+    with pytest.raises(SceneError, match=fault):
+        describe("body", scene)
+
+
 def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits(tmp_path):
     with run(pair(), tmp_path, 10) as session:
         for unit in session.units.values():
@@ -229,14 +274,20 @@ ON_TWO_GRIDS = {
 }
 # It falls far enough for its box to move.
 LIGHT_SPHERE_ON_TWO_GRIDS = (LIGHT_SPHERE[0], LIGHT_SPHERE[1] | {"gravity": [1.0, 0.0, -8.0]}, ON_TWO_GRIDS)
+CEILING = {"shape": {"cuboid": {"lengths": [1.0, 1.0, 0.2]}}, "position": [0.0, 0.0, 0.415], "pivot": [0.0] * 3}
 
 
 @pytest.mark.parametrize(
-    ("body", "motion", "stream"),
-    [LIGHT_SPHERE, TUMBLING_ELLIPSOID, LIGHT_SPHERE_ON_TWO_GRIDS],
-    ids=["light", "tumbling", "two-grids"],
+    ("body", "motion", "stream", "contact"),
+    [
+        (*LIGHT_SPHERE, None),
+        (*TUMBLING_ELLIPSOID, None),
+        (*LIGHT_SPHERE_ON_TWO_GRIDS, None),
+        (*LIGHT_SPHERE, {"range": 0.01, "friction": 0.5, "obstacles": [CEILING]}),
+    ],
+    ids=["light", "tumbling", "two-grids", "in contact"],
 )
-def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path):
+def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, contact, tmp_path):
     """What is announced to the unit of the body is what the fluid then exerts.
 
     The sphere has a tenth of the mass of the fluid, the ellipsoid turns in a stream and reaches into a sponge.
@@ -249,6 +300,8 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
         scene["fluid"] = box() | stream | {"bodies": [placed]}
         if own == "flyer":
             scene["flyer"] = motion | {"shape": 0, "hinges": []}
+        if contact:
+            scene["contact"] = contact
         with run(scene, tmp_path, 20) as session:
             found = outputs(session, "fluid")
             velocity = np.array([session.units["fluid"].field(name) for name in "uvw"])
@@ -258,6 +311,7 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, tmp_path)
         off, scale = np.abs(flown - mounted).max(), np.abs(mounted).max()
         assert off < 1e-9 * scale, f"{part}: {flown}, on a mount {mounted}"
     assert np.abs(ends[0][0]).max() > 0.01
+    assert not contact or ends[0][0][2] < 0.02, "it is above the ceiling"
 
 
 @pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_wing_1_load_x")])

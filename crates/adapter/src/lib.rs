@@ -10,7 +10,7 @@ use scene::Scene;
 
 pub use crate::announced::{Announced, Carried, UNKNOWN, response};
 pub use crate::dimensions::Dimensions;
-pub use crate::obstacles::{obstacles, obstacles_in_space};
+pub use crate::obstacles::{obstacles, obstacles_in_space, solid_of};
 
 pub use scene::AXES;
 #[doc(hidden)]

@@ -14,6 +14,11 @@ pub fn obstacles<const D: usize>(scene: &Scene, make: impl Fn(&Body) -> Option<O
 
 /// Return them in space.
 pub fn obstacles_in_space(scene: &Scene) -> Vec<Obstacle<3>> {
+    obstacles(scene, solid_of)
+}
+
+/// Return a body in space, without an end where it has none.
+pub fn solid_of(body: &Body) -> Option<Obstacle<3>> {
     let endless = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
-    obstacles(scene, |body| Obstacle::of_solid(&body.shape.solid(&endless)?, body.place_at(0.0)))
+    Obstacle::of_solid(&body.shape.solid(&endless)?, body.place_at(0.0))
 }

@@ -175,7 +175,7 @@ where
     [f64; D]: Space<D>,
 {
     let own = scene.contact.as_ref()?;
-    let law = own.law_of_bodies(scene, fluid);
+    let law = own.law_of_bodies(scene);
     let walls = fluid.walls();
     let skin = |beam: scene::BeamWithRod| {
         let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();

@@ -8,7 +8,6 @@ use std::fmt::Debug;
 
 use line_fft::{Arithmetic, Real};
 use nalgebra::{Vector2, Vector3};
-use rigid::{Drag, MountedStep, SpringMotion};
 pub use rigid::{Freedoms, Kinematics, Spin, Turn, Vector, join, split};
 
 /// A number of dimensions; the crate implements it for two and three, of the coordinates of a point.
@@ -30,11 +29,6 @@ pub trait Space<const D: usize>: Kinematics<D> {
 
     /// Return `r − e omega × u`.
     fn subtract_advection<V: Copy>(on: impl Lanes<V>, r: [V; D], e: V, omega: [V; 3], u: [V; D]) -> [V; D];
-
-    /// Return the motion of a body on springs under a drag.
-    fn solve_springs(step: &MountedStep<D>, drag: &Drag<D>) -> SpringMotion<D>
-    where
-        [f64; D]: Kinematics<D>;
 }
 
 /// Arithmetic of numbers or of vectors of numbers.
@@ -121,10 +115,6 @@ impl Space<2> for [f64; 2] {
     ) -> [V; 2] {
         [on.add(x, on.mul(e, on.mul(omega, v))), on.sub(y, on.mul(e, on.mul(omega, u)))]
     }
-
-    fn solve_springs(step: &MountedStep<2>, drag: &Drag<2>) -> SpringMotion<2> {
-        step.solve(drag)
-    }
 }
 
 impl Space<3> for [f64; 3] {
@@ -157,9 +147,5 @@ impl Space<3> for [f64; 3] {
             on.sub(on.mul(omega[0], u[1]), on.mul(omega[1], u[0])),
         ];
         [on.sub(r[0], on.mul(e, n[0])), on.sub(r[1], on.mul(e, n[1])), on.sub(r[2], on.mul(e, n[2]))]
-    }
-
-    fn solve_springs(step: &MountedStep<3>, drag: &Drag<3>) -> SpringMotion<3> {
-        step.solve(drag)
     }
 }

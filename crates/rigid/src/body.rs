@@ -118,6 +118,21 @@ pub struct BodyState {
     pub last_step: f64,
 }
 
+/// A step that contact may still change.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeStep {
+    /// State before it.
+    pub from: BodyState,
+    /// Place and motion with which the load was announced.
+    pub reference: Placed,
+    /// Coefficients of the backward differences, 1/s.
+    pub c: [f64; 3],
+    /// Length, s.
+    pub h: f64,
+    /// Rate at which a force grows with the velocities, kg/s.
+    pub matrix: [Freedoms; 6],
+}
+
 /// A free body.
 #[derive(Clone, Debug)]
 pub struct Body {
@@ -197,8 +212,19 @@ impl Body {
     /// Advance by `h` seconds under `load`, a force with its moment about the pivot that falls with the velocities from
     /// those of [`Self::reference`] on. `fluid` is the fluid of a density that it displaces, and `lift` the force
     /// of that fluid's weight along the freedoms.
-    pub fn step(&mut self, h: f64, load: &Drag<3>, fluid: &Mass<3>, lift: &Freedoms) {
-        self.step_by(&self.differences(h), h, &self.carried(), load, fluid, lift);
+    pub fn step(&mut self, h: f64, load: &Drag<3>, fluid: &Mass<3>, lift: &Freedoms) -> FreeStep {
+        let (from, c) = (self.state, self.differences(h));
+        let reference = self.reference_by(&c, h);
+        FreeStep { from, reference, c, h, matrix: self.step_by(&c, h, &self.carried(), load, fluid, lift) }
+    }
+
+    /// Change the velocities at the end of the step that has just been made.
+    pub fn change(&mut self, step: &FreeStep, change: &Freedoms) {
+        let rates = self.state.now.rates();
+        let done = std::mem::replace(&mut self.state, step.from);
+        let now = self.moved(&step.c, step.h, &from_fn(|i| rates[i] + change[i]));
+        let acceleration = from_fn(|i| done.acceleration[i] + step.c[0] * change[i]);
+        self.state = BodyState { now, acceleration, ..done };
     }
 
     /// Do so with the backward differences `c` and the displacement `carried` from rest; return the rate at which a force

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, BodyState, Placed};
+use crate::body::{Body, BodyState, FreeStep, Placed};
 use crate::force::Drag;
 use crate::hinge::{RootResponse, force_about, rates_at};
 use crate::kinematics::{Freedoms, join};
@@ -90,7 +90,7 @@ impl Flyer {
     ///
     /// `responses` are what the hinges bear in this step if the body moves as its reference, `reactions` what they bore
     /// at the end of the last step.
-    pub fn step(&mut self, h: f64, responses: &[RootResponse], reactions: &[Freedoms], fluid: &FluidLoad) {
+    pub fn step(&mut self, h: f64, responses: &[RootResponse], reactions: &[Freedoms], fluid: &FluidLoad) -> FreeStep {
         let reference = self.body.reference(h);
         let known = reference.rates();
         let mut load = fluid.drag;
@@ -107,17 +107,30 @@ impl Flyer {
         }
         load.force.force = Vector3::new(forces[0], forces[1], forces[2]);
         load.force.moment = Vector3::new(forces[3], forces[4], forces[5]);
-        let arms = self.hinges.iter().map(|hinge| reference.orientation * hinge);
-        for (response, arm) in responses.iter().zip(arms.clone()) {
-            load.add_root(response, &arm);
+        for (response, hinge) in responses.iter().zip(&self.hinges) {
+            load.add_root(response, &(reference.orientation * hinge));
         }
         let gravity = self.body.parameters().gravity;
         let lift = -fluid.displaced.mass * gravity;
-        self.body.step(h, &load, &fluid.displaced, &join::<3>(&lift, fluid.displaced.arm.cross(&lift)));
-        let rates = self.body.state.now.rates();
+        let lift = join::<3>(&lift, fluid.displaced.arm.cross(&lift));
+        let step = self.body.step(h, &load, &fluid.displaced, &lift);
+        self.assume(&step.reference, responses);
+        step
+    }
+
+    /// Change the velocities of the body at the end of the step that has just been made with these `responses`.
+    pub fn change(&mut self, step: &FreeStep, change: &Freedoms, responses: &[RootResponse]) {
+        self.body.change(step, change);
+        self.assume(&step.reference, responses);
+    }
+
+    /// Keep what the step assumed of what the body carries.
+    fn assume(&mut self, reference: &Placed, responses: &[RootResponse]) {
+        let (rates, known) = (self.body.state.now.rates(), reference.rates());
         let change: Freedoms = from_fn(|i| rates[i] - known[i]);
         self.assumed = [0.0; 6];
-        for (response, arm) in responses.iter().zip(arms) {
+        for (response, hinge) in responses.iter().zip(&self.hinges) {
+            let arm = reference.orientation * hinge;
             let assumed = force_about(&arm, &response.at(&rates_at(&arm, &change)));
             self.assumed = from_fn(|i| self.assumed[i] + assumed[i]);
         }

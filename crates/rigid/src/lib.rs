@@ -16,7 +16,7 @@ mod mounted;
 mod pose;
 mod step;
 
-pub use crate::body::{Body, BodyParameters, BodyState, Placed};
+pub use crate::body::{Body, BodyParameters, BodyState, FreeStep, Placed};
 pub use crate::carried::Carried;
 pub use crate::flyer::{FluidLoad, Flyer, FlyerState, HingeTurn};
 pub use crate::force::{Drag, Force};

@@ -33,9 +33,18 @@ where
     pub predicted: Freedoms,
 }
 
-impl MountedStep<'_, 2> {
+impl<const D: usize> MountedStep<'_, D>
+where
+    [f64; D]: Kinematics<D>,
+{
     /// Find the motion under `drag`.
-    pub fn solve(&self, drag: &Drag<2>) -> SpringMotion<2> {
+    pub fn solve(&self, drag: &Drag<D>) -> SpringMotion<D> {
+        <[f64; D]>::solve_springs(self, drag)
+    }
+}
+
+impl MountedStep<'_, 2> {
+    pub(crate) fn solve_in_plane(&self, drag: &Drag<2>) -> SpringMotion<2> {
         let &Self { supports, carried, c, mass, inertia, fluid, weight, predicted } = self;
         let own = Mass { mass, inertia, arm: Vector2::zeros() };
         let (mass, gyroscopic) = (own.matrix(), own.gyroscopic(&predicted));
@@ -44,8 +53,7 @@ impl MountedStep<'_, 2> {
 }
 
 impl MountedStep<'_, 3> {
-    /// Find the motion under `drag`.
-    pub fn solve(&self, drag: &Drag<3>) -> SpringMotion<3> {
+    pub(crate) fn solve_in_space(&self, drag: &Drag<3>) -> SpringMotion<3> {
         let &Self { supports, carried, c, mass, inertia, ref fluid, ref weight, ref predicted } = self;
         let still = Vector3::zeros();
         let mut body = Body::new(BodyParameters {

@@ -22,7 +22,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use ::contact::{Cells, Encounter, HELD, Law, MOST_PARTNERS, Obstacle, Obstacles, Push};
-use structure::{Matrix, Vector, finite, not_negative, positive};
+use structure::{Matrix, Vector, check_law, finite, positive};
 
 use crate::{Error, RodError};
 
@@ -45,12 +45,7 @@ pub struct Contact<const D: usize> {
 impl<const D: usize> Contact<D> {
     /// Refuse numbers outside their ranges.
     pub(crate) fn check(&self, nodes: usize) -> Result<(), Error> {
-        let Law { range, stiffness, depth, damping, friction, .. } = self.law;
-        positive("contact.range", range)?;
-        positive("contact.stiffness", stiffness)?;
-        positive("contact.depth", depth)?;
-        not_negative("contact.damping", damping)?;
-        not_negative("contact.friction", friction)?;
+        check_law(&self.law)?;
         Error::check_length("contact.radius", self.radius.len(), nodes)?;
         self.radius.iter().enumerate().try_for_each(|(k, r)| positive(format!("contact.radius[{k}]"), *r))?;
         self.obstacles.iter().try_for_each(|own| finite("contact.obstacles", own.pose.origin.as_slice()))

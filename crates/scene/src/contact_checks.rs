@@ -27,25 +27,23 @@ impl Contact {
         self.range.unwrap_or(scene.fluid.as_ref().map_or(thickness, Self::two_cells))
     }
 
-    /// Return the gap at which the force begins on a body in a fluid, m.
-    pub fn range_of_bodies(&self, fluid: &Fluid) -> f64 {
-        self.range.unwrap_or(self.film.map_or(Self::two_cells(fluid), |film| film.roughness))
-    }
-
-    /// Return the law of the bodies in a fluid of this scene.
-    pub fn law_of_bodies(&self, scene: &Scene, fluid: &Fluid) -> BodyLaw {
-        let film = |film: Film| BodyFilm {
+    /// Return the law of the bodies of this scene, which without a fluid gives the range.
+    pub fn law_of_bodies(&self, scene: &Scene) -> BodyLaw {
+        let fluid = scene.fluid.as_ref();
+        let cells = fluid.map_or(f64::NAN, Self::two_cells);
+        let film = |(film, fluid): (Film, &Fluid)| BodyFilm {
             viscosity: fluid.density * fluid.kinematic_viscosity,
-            range: Self::two_cells(fluid),
+            range: cells,
             least: film.roughness,
         };
+        let step = fluid.map_or(f64::INFINITY, |fluid| fluid.time_stepping.max_step);
         BodyLaw {
-            range: self.range_of_bodies(fluid),
+            range: self.range.unwrap_or(self.film.map_or(cells, |film| film.roughness)),
             stiffness: self.stiffness.unwrap_or(f64::INFINITY),
             damping: self.damping,
             friction: self.friction,
-            film: self.film.map(film),
-            dt: fluid.time_stepping.max_step.min(scene.time.communication_step),
+            film: self.film.zip(fluid).map(film),
+            dt: step.min(scene.time.communication_step),
         }
     }
 
@@ -116,13 +114,21 @@ impl Wing {
 }
 
 impl Scene {
+    /// Return the solid of the flyer that touches, with its key; none without a contact.
+    pub fn flyer_solid(&self) -> Option<(String, &Body)> {
+        let flyer = self.flyer.as_ref().filter(|_| self.contact.is_some())?;
+        let of_fluid = |k: usize| Some((format!("fluid.bodies[{k}]"), self.fluid.as_ref()?.bodies.get(k)?));
+        let own = || Some(("flyer.solid".into(), flyer.solid.as_ref()?));
+        flyer.shape.map_or_else(own, of_fluid)
+    }
+
     /// Return the solids that rods and wings touch: those of `contact`, and those of the fluid that are still or moved by laws.
     pub fn contact_bodies(&self) -> Vec<Body> {
         self.contact_bodies_with_keys().map(|(_, body)| body).collect()
     }
 
     /// Return the same with their keys.
-    pub(crate) fn contact_bodies_with_keys(&self) -> impl Iterator<Item = (String, Body)> {
+    pub fn contact_bodies_with_keys(&self) -> impl Iterator<Item = (String, Body)> {
         let own = self.contact.iter().flat_map(|contact| contact.obstacles.iter().cloned().enumerate());
         let own = own.map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
         let of_fluid = self.fluid.iter().filter(|_| self.contact.is_some()).flat_map(|fluid| fluid.obstacles());
@@ -147,18 +153,26 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(contact) = &scene.contact else { return };
     let rods: Vec<_> = scene.beams_with_rods().filter_map(|own| own.rod.map(|_| scene.dimension(own.beam))).collect();
     let of_fluid: Vec<_> = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).collect();
-    let mounted = || of_fluid.iter().filter(|own| own.body.mount.is_some());
+    let of_flyer = scene.flyer_solid();
+    let mounted = of_fluid.iter().filter(|own| own.body.mount.is_some()).map(|own| (own.key.clone(), &own.body));
+    let moving: Vec<_> = mounted.chain(of_flyer.clone()).collect();
     let is_space = rods.first() == Some(&3)
         || scene.wings().next().is_some()
+        || scene.flyer.is_some()
         || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
     let has_wing = scene.wings().any(|own| own.wing.lightest().is_finite());
-    faults.forbid(rods.is_empty() && !has_wing && mounted().next().is_none(), "contact", || {
-        "the scene has neither a rod, a wing with a membrane nor a body on a `mount`, and only these touch".into()
+    faults.forbid(rods.is_empty() && !has_wing && moving.is_empty(), "contact", || {
+        "the scene has neither a rod, a wing with a membrane, a body on a `mount` nor a flyer with a shape, and only \
+         these touch"
+            .into()
     });
-    let is_absent = has_wing && scene.fluid.is_none() && contact.range.is_none();
-    faults.require(!is_absent, "contact.range", "absent", || "a wing without a fluid needs it".into());
-    faults.forbid(contact.film.is_some() && mounted().next().is_none(), "contact.film", || {
-        "the scene has no body on a `mount`, and rods have no film".into()
+    let without_fluid = scene.fluid.is_none();
+    let is_absent = (has_wing || of_flyer.is_some()) && without_fluid && contact.range.is_none();
+    faults.require(!is_absent, "contact.range", "absent", || {
+        format!("a {} without a fluid needs it", if has_wing { "wing" } else { "flyer" })
+    });
+    faults.forbid(contact.film.is_some() && (moving.is_empty() || without_fluid), "contact.film", || {
+        "only a body on a `mount` and a flyer have a film, in a fluid".into()
     });
     let projected = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.bending == Bending::Projected));
     faults.forbid(projected, "contact", || "a rod with projected bending cannot turn as contact may want".into());
@@ -186,7 +200,9 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
             .forbid(body.reference.is_some(), &format!("{key}.reference"), || "an obstacle has no coefficients".into());
     }
     let own = contact.obstacles.iter().enumerate().map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
-    let all: Vec<_> = own.chain(of_fluid.iter().map(|own| (own.key.clone(), &own.body))).collect();
+    let of_fluid = of_fluid.iter().map(|own| (own.key.clone(), &own.body));
+    let solid = of_flyer.into_iter().filter(|(key, _)| key == "flyer.solid");
+    let all: Vec<_> = own.chain(of_fluid).chain(solid).collect();
     for (key, body) in all.iter().filter(|(_, body)| !has_contact(&body.shape)) {
         let (_, name) = body.shape.dimension(is_space);
         faults.require(false, &format!("{key}.shape"), name, || {
@@ -196,8 +212,8 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     if !is_space {
         return;
     }
-    for own in mounted() {
-        let (shape, key) = (&own.body.shape, format!("{}.shape", own.key));
+    for (own, body) in &moving {
+        let (shape, key) = (&body.shape, format!("{own}.shape"));
         let name = shape.dimension(true).1;
         faults.require(scene.contact_walls().is_empty() || !is_cylinder(shape), &key, name, || {
             "contact of a `circular_cylinder` with a wall is not known: take a `capsule`".into()
@@ -207,7 +223,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
             let is_capsule = |shape: &&Shape| matches!(shape, Shape::Capsule { .. });
             pair.iter().any(|shape| shape.is_round()) || pair.iter().all(is_capsule)
         };
-        for (other, body) in all.iter().filter(|(other, _)| *other != own.key) {
+        for (other, body) in all.iter().filter(|(other, _)| other != own) {
             faults.require(touches(&body.shape), &key, name, || {
                 let its = body.shape.dimension(true).1;
                 format!(

@@ -88,7 +88,7 @@ where
     [f64; D]: Kinematics<D>,
 {
     let Some((contact, fluid)) = scene.contact.as_ref().zip(scene.fluid.as_ref()) else { return vec![] };
-    let law = contact.law_of_bodies(scene, fluid);
+    let law = contact.law_of_bodies(scene);
     let on_mount = fluid.obstacles().filter(|own| own.body.mount.is_some()).map(|own| (own.key, own.body));
     let bodies: Vec<_> = on_mount.chain(scene.contact_bodies_with_keys()).collect();
     let moving = bodies.iter().filter_map(|(key, body)| {

@@ -4,7 +4,7 @@ use method::Support;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{ByMaster, Turn};
+use crate::body::{Body, ByMaster, Turn};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::mount::Inertia;
@@ -47,6 +47,10 @@ pub struct Flyer {
     /// that the fluid does not feel.
     #[serde(default)]
     pub shape: Option<usize>,
+    /// Shape at the start with which it touches what the key `contact` names, where it has none in the fluid: its
+    /// `position` is that of the flyer.
+    #[serde(default)]
+    pub solid: Option<Body>,
     /// What it carries.
     pub hinges: Vec<FlyerHinge>,
 }

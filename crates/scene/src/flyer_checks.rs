@@ -73,6 +73,19 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
             });
         }
     }
+    if let Some(solid) = &flyer.solid {
+        let key = "flyer.solid";
+        solid.check_at(key, faults);
+        solid.check_dimension(key, true, faults);
+        faults.forbid(flyer.shape.is_some(), key, || "the body has its shape in the fluid, `flyer.shape`".into());
+        let free = solid.mount.is_some() || solid.motion.is_some() || solid.reference.is_some();
+        faults.forbid(free, key, || "the flyer moves it, without `motion`, `mount` and `reference`".into());
+        faults.forbid(scene.contact.is_none(), key, || "it is for the key `contact`, which the scene lacks".into());
+        let place = format!("{:?}", solid.position);
+        faults.require(solid.position[..] == flyer.position, &format!("{key}.position"), place, || {
+            format!("the flyer is at {:?}", flyer.position)
+        });
+    }
     let mut units: Vec<String> = scene.wings().map(|own| own.name.to_string()).collect();
     units.extend(scene.beams_with_rods().map(|own| own.name.unwrap_or("rod").to_string()));
     for (i, hinge) in flyer.hinges.iter().enumerate() {

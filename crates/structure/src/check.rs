@@ -1,5 +1,7 @@
 //! Checks of numbers.
 
+use ::contact::Law;
+
 use crate::Error;
 
 /// Refuse a number that is not finite or not above 0.
@@ -24,4 +26,14 @@ pub fn finite<F>(name: &str, vector: &[f64]) -> Result<(), Error<F>> {
         true => Ok(()),
         false => Err(Error::value(name, vector, "finite")),
     }
+}
+
+/// Refuse a law of contact with a number outside its range.
+pub fn check_law<F>(law: &Law) -> Result<(), Error<F>> {
+    let Law { range, stiffness, depth, damping, friction, .. } = *law;
+    positive("contact.range", range)?;
+    positive("contact.stiffness", stiffness)?;
+    positive("contact.depth", depth)?;
+    not_negative("contact.damping", damping)?;
+    not_negative("contact.friction", friction)
 }

@@ -24,7 +24,7 @@ mod statics;
 mod step;
 mod vector;
 
-pub use crate::check::{finite, not_negative, positive};
+pub use crate::check::{check_law, finite, not_negative, positive};
 pub use crate::core::Core;
 pub use crate::cubic::cubic;
 pub use crate::error::{Error, Shown};

@@ -1,4 +1,4 @@
-//! Contact of the membrane with obstacles.
+//! Contact of the membrane with obstacles, and with itself.
 //!
 //! ```text
 //! U_c(x) = Σ_m A_m U(d(p_m))
@@ -9,22 +9,25 @@
 
 use ::contact::{Encounter, HELD, Law, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
 use nalgebra::Matrix3;
-use structure::{finite, not_negative, positive};
+use structure::{check_law, finite};
 
 use crate::elastic::Elastic;
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
+use crate::itself::{self, Itself, Spot};
 use crate::parameters::Parameters;
 use crate::{Error, WingError};
 
 /// Most parts of an edge between points that touch.
 const MOST_PARTS: f64 = 16.0;
 
-/// What a membrane touches, and how; it has no thickness.
+/// What a membrane touches, and how; for obstacles it has no thickness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
     /// Forces per area.
     pub law: Law,
+    /// Whether the membrane touches itself.
+    pub with_itself: bool,
     /// Obstacles.
     pub obstacles: Vec<Obstacle<3>>,
 }
@@ -32,41 +35,39 @@ pub struct Contact {
 impl Contact {
     /// Refuse numbers outside their ranges.
     pub(crate) fn check(&self, parameters: &Parameters) -> Result<(), Error> {
-        let Law { range, stiffness, depth, damping, friction, .. } = self.law;
-        positive("contact.range", range)?;
-        positive("contact.stiffness", stiffness)?;
-        positive("contact.depth", depth)?;
-        not_negative("contact.damping", damping)?;
-        not_negative("contact.friction", friction)?;
+        let range = self.law.range;
+        check_law(&self.law)?;
         self.obstacles.iter().try_for_each(|own| finite("contact.obstacles", own.pose.origin.as_slice()))?;
         if self.parts(parameters) > MOST_PARTS {
             return Err(Error::value("contact.range", range, "beside solids at least a 27th of the longest edge"));
         }
+        if self.with_itself && itself::parts(longest_edge(parameters), range) > MOST_PARTS {
+            return Err(Error::value("contact.range", range, "at least an eighth of the longest edge"));
+        }
         Ok(())
     }
 
-    /// Return the range from which on the nodes alone touch solids, m: nothing comes closer to an equilateral triangle than
-    /// to all its corners by more.
-    fn range_of_one(&self, parameters: &Parameters) -> f64 {
-        let mesh = &parameters.mesh;
-        let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let longest = edges.map(|[a, b]| (mesh.node(*a) - mesh.node(*b)).norm()).fold(0.0, f64::max);
-        longest / 3_f64.sqrt()
-    }
-
-    /// Return the parts of an edge between points: one where there are only planes.
+    /// Return the parts of an edge between points that touch obstacles: one where there are only planes. Nothing comes
+    /// closer to an equilateral triangle than to all its corners by more than an edge over √3.
     fn parts(&self, parameters: &Parameters) -> f64 {
         if self.obstacles.iter().all(Obstacle::is_half_space) {
             return 1.0;
         }
-        (self.range_of_one(parameters) / self.law.range).ceil().max(1.0)
+        (longest_edge(parameters) / 3_f64.sqrt() / self.law.range).ceil().max(1.0)
     }
+}
+
+fn longest_edge(parameters: &Parameters) -> f64 {
+    let mesh = &parameters.mesh;
+    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(|[a, b]| (mesh.node(*a) - mesh.node(*b)).norm()).fold(0.0, f64::max)
 }
 
 /// Contact of a wing during a stage.
 pub(crate) struct Contacts {
     law: Law,
     pub(crate) obstacles: Obstacles<3>,
+    itself: Option<Itself>,
     points: Vec<SurfacePoint>,
     /// Points that touch each obstacle: all but those beside a root that is held there.
     of: Vec<Vec<u32>>,
@@ -95,6 +96,9 @@ impl Contacts {
             law: own.law,
             obstacles: Obstacles::new(own.obstacles.clone()),
             of: of.collect(),
+            itself: own.with_itself.then(|| {
+                Itself::new(&own.law, parameters, itself::parts(longest_edge(parameters), own.law.range) as usize)
+            }),
             points,
             dt: None,
             forces: vec![Vector::zeros(); mesh.nodes.len()],
@@ -102,73 +106,97 @@ impl Contacts {
         }
     }
 
-    /// Begin a stage of `dt` (s) between these fractions of the step.
-    pub(crate) fn begin(&mut self, dt: f64, between: [f64; 2]) {
+    /// Begin a stage of `dt` (s) between these fractions of the step, from `origin` to the first guess `guess`, m.
+    pub(crate) fn begin(
+        &mut self,
+        faces: &[Face],
+        origin: &[Vector],
+        guess: &[Vector],
+        dt: f64,
+        between: [f64; 2],
+    ) -> Result<(), WingError> {
         self.dt = Some(dt);
         self.obstacles.begin(between);
+        self.itself.as_mut().map_or(Ok(()), |own| own.begin(faces, origin, guess))
     }
 
-    /// Begin an equilibrium.
-    pub(crate) fn begin_static(&mut self) {
+    /// Begin an equilibrium from the shape `origin`, m.
+    pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
         self.dt = None;
         self.obstacles.begin_static();
+        self.itself.as_mut().map_or(Ok(()), |own| own.begin_static(faces, origin))
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
-    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) {
+    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
         let closer = 2.0 * dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
-        self.begin_static();
-        let (reach, mut near) = (self.law.reach() + closer, !self.obstacles.are_still());
-        self.visit(faces, x, x, reach, |_, met| near |= met.gaps[1] < reach);
+        self.look_from(faces, x, closer)?;
+        let mut near = !self.obstacles.are_still();
+        self.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;
+        Ok(())
     }
 
-    /// Visit each point in the shape `x` with each obstacle that it may touch, from the shape `origin`, m; still obstacles
-    /// farther than `reach` (m) are left out.
+    /// Find what the wing of this shape (m) may touch where nothing moves, or comes closer by `closer`, m.
+    fn look_from(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), WingError> {
+        self.dt = None;
+        self.obstacles.begin_static();
+        self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, closer))
+    }
+
+    /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
+    /// than the reach of the contact by `farther` (m) are left out.
     fn visit(
         &self,
         faces: &[Face],
         x: &[Vector],
         origin: &[Vector],
-        reach: f64,
-        mut visit: impl FnMut(&SurfacePoint, Encounter<3>),
+        farther: f64,
+        mut visit: impl FnMut(&Law, Meeting),
     ) {
-        let balls = [origin, x].map(ball);
+        let (balls, reach) = ([origin, x].map(ball), self.law.reach() + farther);
         for (i, points) in self.of.iter().enumerate().filter(|(i, _)| !self.obstacles.is_beyond(*i, balls, reach)) {
             for point in points.iter().map(|&m| &self.points[m as usize]) {
-                let corners = faces[point.triangle].nodes;
+                let &SurfacePoint { triangle, shares, area } = point;
+                let corners = faces[triangle].nodes;
                 let ends = [origin, x].map(|shape| point.of(corners.map(|k| shape[k])));
                 if let Some(met) = self.obstacles.meet(i, ends, 0.0, reach) {
-                    visit(point, met);
+                    visit(&self.law, Meeting { spot: Spot { triangle, shares }, area, partners: None, met });
                 }
             }
+        }
+        if let Some(own) = &self.itself {
+            own.visit(faces, x, origin, |spot, area, partners, met| {
+                visit(&own.law, Meeting { spot, area, partners: Some(partners), met });
+            });
         }
     }
 
     /// Return the energy of the penalty in the shape `x`, J.
-    pub(crate) fn energy(&self, faces: &[Face], x: &[Vector]) -> f64 {
+    pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
+        self.look_from(faces, x, 0.0)?;
         let mut sum = 0.0;
-        let add = |point: &SurfacePoint, met: Encounter<3>| {
-            sum += point.area * self.law.penalty(met.gaps[1]).potential;
-        };
-        self.visit(faces, x, x, self.law.reach(), add);
-        sum
+        self.visit(faces, x, x, 0.0, |law, met| sum += met.area * law.penalty(met.met.gaps[1]).potential);
+        Ok(sum)
     }
 
     /// Write the forces on the nodes in the shape `x` of a stage from `origin`, m, to `forces`.
     pub(crate) fn find_forces(&mut self, elastic: &Elastic, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
-        let mut forces = std::mem::take(&mut self.forces);
+        let (mut forces, faces) = (std::mem::take(&mut self.forces), &elastic.faces);
         forces.fill(Vector::zeros());
-        let (law, dt, mut result) = (&self.law, self.dt, Ok(()));
-        self.visit(&elastic.faces, x, origin, law.reach(), |point, met| {
-            let corners = elastic.faces[point.triangle].nodes;
-            if -met.gaps[1] >= law.depth {
-                result = Err(WingError::Deep { node: corners[0], depth: -met.gaps[1], allowed: law.depth });
+        let (dt, mut result) = (self.dt, Ok(()));
+        self.visit(faces, x, origin, 0.0, |law, met| {
+            if -met.met.gaps[1] >= law.depth {
+                let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
+                result = Err(WingError::Deep { node, depth, allowed: law.depth });
                 return;
             }
-            let pushes = [met.push(law, point.area, dt), met.friction(law, point.area, dt)];
-            for Push { force, .. } in pushes.into_iter().flatten() {
-                corners.into_iter().zip(point.shares).for_each(|(k, share)| forces[k] += force * share);
+            for (Push { force, .. }, partner) in met.pushes(law, dt) {
+                let parts = [(Some(met.spot), force), (partner, -force)];
+                for (Spot { triangle, shares }, force) in parts.into_iter().filter_map(|(on, own)| Some((on?, own))) {
+                    let corners = faces[triangle].nodes.into_iter().zip(shares);
+                    corners.for_each(|(k, share)| forces[k] += force * share);
+                }
             }
         });
         self.forces = forces;
@@ -183,26 +211,47 @@ impl Contacts {
         x: &[Vector],
         origin: &[Vector],
         safe: bool,
-        mut emit: impl FnMut(&SurfacePoint, Matrix3<f64>),
+        mut emit: impl FnMut(Spot, Matrix3<f64>),
     ) {
-        self.visit(faces, x, origin, self.law.reach(), |point, mut met| {
+        self.visit(faces, x, origin, 0.0, |law, mut met| {
             if safe {
-                met.curvature = Matrix3::zeros();
+                met.met.curvature = Matrix3::zeros();
             }
-            let pushes = [met.push(&self.law, point.area, self.dt), met.friction(&self.law, point.area, self.dt)];
-            pushes.into_iter().flatten().for_each(|push| emit(point, push.hessian));
+            for (Push { hessian, .. }, partner) in met.pushes(law, self.dt) {
+                let both = if partner.is_some() { 2.0 } else { 1.0 };
+                [Some(met.spot), partner].into_iter().flatten().for_each(|spot| emit(spot, hessian * both));
+            }
         });
     }
 
     /// Refuse a stage from `origin` to `x`, m, in which the wing may have passed through something.
     pub(crate) fn check(&self, faces: &[Face], x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+        self.itself.as_ref().map_or(Ok(()), |own| own.check(x, origin))?;
         let mut result = Ok(());
-        self.visit(faces, x, origin, f64::INFINITY, |point, met| {
+        self.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
             if met.passes_through() {
-                result = Err(WingError::Through { node: faces[point.triangle].nodes[0] });
+                result = Err(WingError::Through { node: faces[spot.triangle].nodes[0] });
             }
         });
         result
+    }
+}
+
+/// A point and what it may touch.
+struct Meeting {
+    spot: Spot,
+    area: f64,
+    /// Closest points of another layer at the begin and the end of a stage; `None` of an obstacle.
+    partners: Option<[Spot; 2]>,
+    met: Encounter<3>,
+}
+
+impl Meeting {
+    /// Return the parts of the potential in a stage of `dt` (s), each with the point of another layer.
+    fn pushes(&self, law: &Law, dt: Option<f64>) -> impl Iterator<Item = (Push<3>, Option<Spot>)> + use<> {
+        let [before, now] = self.partners.map_or([None; 2], |both| both.map(Some));
+        let parts = [(self.met.push(law, self.area, dt), now), (self.met.friction(law, self.area, dt), before)];
+        parts.into_iter().filter_map(|(push, partner)| Some((push?, partner)))
     }
 }
 

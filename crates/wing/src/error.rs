@@ -44,6 +44,30 @@ pub enum WingError {
         /// Node beside the place.
         node: usize,
     },
+    /// A sub-step may have missed a contact of the wing with itself.
+    #[error(
+        "a node moves by {moved:.3e} m in the smallest sub-step, but contact of the wing with itself was sought for at \
+         most {allowed:.3e} m; a smaller step helps"
+    )]
+    Hasty {
+        /// Largest motion of a node, m.
+        moved: f64,
+        /// Motion allowed for, m.
+        allowed: f64,
+    },
+    /// Too many layers of the wing meet.
+    #[error(
+        "near node {node} the wing may touch {found} layers of itself, but at most {most} are allowed; a smaller \
+         contact.range helps, or a smaller step"
+    )]
+    Crowded {
+        /// Node beside the place.
+        node: usize,
+        /// Number of layers.
+        found: usize,
+        /// Largest number.
+        most: usize,
+    },
     /// The matrix of the wing is singular: a part of it is not held, or it buckles.
     #[error("the stiffness of the wing is singular: a part of it is not held, or it buckles under its loads")]
     Singular,

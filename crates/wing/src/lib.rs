@@ -20,6 +20,7 @@ mod error;
 mod face;
 mod frames;
 mod geometry;
+mod itself;
 mod modes;
 mod newton;
 mod parameters;

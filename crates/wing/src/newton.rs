@@ -195,15 +195,15 @@ impl Newton {
     /// Find the forces of contact in the shape `x` at rest.
     pub(crate) fn touch_at_rest(&mut self, elastic: &Elastic, x: &[Vector]) -> Result<(), WingError> {
         let Some(contact) = &mut self.contact else { return Ok(()) };
-        contact.begin_static();
+        contact.begin_static(&elastic.faces, x)?;
         contact.find_forces(elastic, x, x)
     }
 
     /// Add what contact in the shape `x` of a stage from `origin` adds to the matrix.
     fn add_contact(&mut self, elastic: &Elastic, balance: &Balance<3>, origin: &[Vector], x: &[Vector], safe: bool) {
         let Self { system, contact: Some(contact), .. } = self else { return };
-        contact.hessian(&elastic.faces, x, origin, safe, |point, hessian| {
-            system.add_to_triangle(point.triangle, point.shares, hessian * balance.elastic);
+        contact.hessian(&elastic.faces, x, origin, safe, |spot, hessian| {
+            system.add_to_triangle(spot.triangle, spot.shares, hessian * balance.elastic);
         });
     }
 

@@ -2,7 +2,6 @@
 
 use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
-use crate::contact::Contacts;
 use crate::geometry::Vector;
 use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
 
@@ -117,7 +116,7 @@ impl Structure<3> for Wing {
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, elastic, newton, .. } = self;
         let Some(contact) = &mut newton.contact else { return Ok(None) };
-        contact.look(&elastic.faces, &core.state.positions, &core.state.velocities, dt);
+        contact.look(&elastic.faces, &core.state.positions, &core.state.velocities, dt)?;
         Ok(core.rule_in_contact(dt).filter(|_| contact.is_near))
     }
 
@@ -134,7 +133,7 @@ impl Structure<3> for Wing {
         elastic.forget_shape();
         (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
         if let Some(contact) = &mut newton.contact {
-            contact.begin(span.dt, [span.from, span.to]);
+            contact.begin(&elastic.faces, &core.state.positions, &core.guess, span.dt, [span.from, span.to])?;
         }
         let origin = &core.state.positions;
         newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics)?;
@@ -227,7 +226,7 @@ impl Structure<3> for Wing {
 
     fn solve(&mut self, origin: &[Vector]) -> Result<(), Error> {
         let Self { core, elastic, newton, .. } = self;
-        newton.contact.iter_mut().for_each(Contacts::begin_static);
+        newton.contact.as_mut().map_or(Ok(()), |contact| contact.begin_static(&elastic.faces, origin))?;
         elastic.twists.keep();
         let solved = newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics);
         if solved.is_err() {

@@ -157,8 +157,7 @@ impl Wing {
         let Core { state, rest, product, .. } = core;
         let mut energy = elastic.energy(&state.positions)?;
         if let Some(contact) = &mut newton.contact {
-            contact.begin_static();
-            energy.contact = contact.energy(&elastic.faces, &state.positions);
+            energy.contact = contact.energy(&elastic.faces, &state.positions)?;
         }
         elastic.mass_times(&state.velocities, product);
         energy.kinetic = 0.5 * product.iter().zip(&state.velocities).map(|(p, v)| p.dot(v)).sum::<f64>();
@@ -215,7 +214,7 @@ impl Wing {
         self.newton.contact.as_ref().map_or(&[], |contact| &contact.forces)
     }
 
-    /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
+    /// Return the number of pairs of triangles that cross each other: without contact nothing holds the parts apart.
     pub fn crossings(&mut self) -> usize {
         let (faces, x) = (&self.elastic.faces, &self.core.state.positions);
         self.crossings.count(|k| faces[k].nodes, |node| x[node].into())

@@ -438,7 +438,7 @@ where
         let Mount { mass, supports, .. } = &mount;
         let (inertia, weight) = (self.inertia_at_rest(mount.inertia), self.weight(&mount, &fluid));
         let step = MountedStep { supports, carried, c, mass: *mass, inertia, fluid, weight, predicted };
-        let found = <[f64; D]>::solve_springs(&step, drag);
+        let found = step.solve(drag);
         self.spring_motion = Some(found);
         Some(found.change)
     }

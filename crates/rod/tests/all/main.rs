@@ -16,3 +16,4 @@ mod shear;
 mod statics;
 mod stations;
 mod taper;
+mod thrown;

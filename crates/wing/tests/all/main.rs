@@ -8,5 +8,6 @@ mod meshes;
 mod plates;
 mod root;
 mod section;
+mod thrown;
 mod twists;
 mod veins;
