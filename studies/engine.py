@@ -57,6 +57,12 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/simulation/loop.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py", "python/nervure/simulation/summary.py"),
     "rod study": ("studies/rust/rod/src/**/*.rs", "studies/rust/rod/Cargo.toml", "crates/rod/tests/common/*.rs"),
+    "contact study": (
+        "studies/rust/contact/src/*.rs",
+        "studies/rust/contact/Cargo.toml",
+        "crates/*/tests/**/thrown.rs",
+        "crates/contact/tests/common/*.rs",
+    ),
     "rod roofline": ("studies/rust/rod/examples/*.rs", "studies/rust/fluid/src/machine.rs"),
     "fluid bench": ("studies/rust/fluid/src/*.rs", "studies/rust/fluid/Cargo.toml"),
     "fluid measures": ("studies/rust/fluid/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
