@@ -25,7 +25,9 @@ fn placed(body: &Body, velocity: Vector3<f64>, omega: Vector3<f64>) -> Placed {
 }
 
 fn run(body: &mut Body, h: f64, steps: usize) {
-    (0..steps).for_each(|_| body.step(h, &Drag::default(), &NO_FLUID, &[0.0; 6]));
+    for _ in 0..steps {
+        body.step(h, &Drag::default(), &NO_FLUID, &[0.0; 6]);
+    }
 }
 
 #[test]
