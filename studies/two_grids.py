@@ -19,8 +19,10 @@ GRIDS: dict[str, tuple[list[list[float]], int]] = {
     "6 x 4, ratio 4": ([[-2.4, 3.6], [-2.0, 2.0]], 4),
     "8 x 6, ratio 4": ([[-2.9, 5.1], [-3.0, 3.0]], 4),
     "6 x 4, ratio 2": ([[-2.4, 3.6], [-2.0, 2.0]], 2),
+    "6 x 4 in 12 x 8, ratio 2 x 2": ([[-2.4, 3.6], [-2.0, 2.0]], 4),
 }
 """Ends of the fine box, diameters, and ratio of the cells."""
+MIDDLE = {"fluid.middle_box": {"x": [-4.8, 7.2], "y": [-4.0, 4.0]}}  # Of the last one
 FLOWS: dict[int, dict[str, Any]] = {40: {}, 100: flapping.SHEDDING}  # By Reynolds number
 
 
@@ -28,6 +30,7 @@ def cases() -> Iterator[Case]:
     for reynolds, flow in FLOWS.items():
         for label, (ends, ratio) in GRIDS.items():
             fine = {"fluid.fine_box": dict(zip("xy", ends, strict=True)) | {"ratio": ratio}} if ends else {}
+            fine |= MIDDLE if "x 2" in label else {}
             changes = flapping.NARROW | flow | {"fluid.box.cells": [384 // ratio, 256 // ratio]} | fine
             about = {"reynolds": reynolds, "grids": label}
             yield Case(f"Re {reynolds}/{label}", FLUID, SCENE, changes, action=measured, about=about)
@@ -43,7 +46,7 @@ def measured(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def beside(data: Data) -> list[dict[str, Any]]:
-    """Return the values on one grid, and the differences on two."""
+    """Return the values on one grid, and the differences on two and three."""
     records = {(r.view["reynolds"], r.view["grids"]): r.view for r in data.of("two-grids/*")}
     rows = []
     for label in GRIDS:

@@ -196,7 +196,7 @@ STREAM = {
 
 @pytest.mark.parametrize("stream", STREAM)
 def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries):
-    """Large steps of the coarse grid keep a gust longer."""
+    """Under a gust the coarse grid takes fine steps, which changes the start of the flow."""
     fluid = {
         "density": 1.0,
         "kinematic_viscosity": 0.05,
@@ -217,8 +217,9 @@ def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries
             drags.append(session.recorder.series["drag"])
     by_law, driven = drags
     assert np.ptp(by_law[20:]) > 0.1 * np.abs(by_law[20:]).mean()
-    apart = np.abs(driven - by_law).max() / np.ptp(by_law[20:])
-    assert apart < (0.2 if stream == "fine box" else 1e-9), f"{apart:.1e} of the change of the drag"
+    begin, most = (30, 5e-3) if stream == "fine box" else (0, 1e-9)
+    apart = np.abs(driven - by_law)[begin:].max() / np.ptp(by_law[20:])
+    assert apart < most, f"{apart:.1e} of the change of the drag"
 
 
 def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
