@@ -22,15 +22,16 @@ GRIDS: dict[str, tuple[list[list[float]], int]] = {
     "6 x 4 in 12 x 8, ratio 2 x 2": ([[-2.4, 3.6], [-2.0, 2.0]], 4),
 }
 """Ends of the fine box, diameters, and ratio of the cells."""
-MIDDLE = {"fluid.middle_box": {"x": [-4.8, 7.2], "y": [-4.0, 4.0]}}  # Of the last one
+MIDDLE: dict[str, Any] = {"fluid.middle_box": {"x": [-4.8, 7.2], "y": [-4.0, 4.0]}}  # Of the last one
 FLOWS: dict[int, dict[str, Any]] = {40: {}, 100: flapping.SHEDDING}  # By Reynolds number
 
 
 def cases() -> Iterator[Case]:
     for reynolds, flow in FLOWS.items():
         for label, (ends, ratio) in GRIDS.items():
-            fine = {"fluid.fine_box": dict(zip("xy", ends, strict=True)) | {"ratio": ratio}} if ends else {}
-            fine |= MIDDLE if "x 2" in label else {}
+            fine: dict[str, Any] = MIDDLE if "x 2" in label else {}
+            if ends:
+                fine = fine | {"fluid.fine_box": dict(zip("xy", ends, strict=True)) | {"ratio": ratio}}
             changes = flapping.NARROW | flow | {"fluid.box.cells": [384 // ratio, 256 // ratio]} | fine
             about = {"reynolds": reynolds, "grids": label}
             yield Case(f"Re {reynolds}/{label}", FLUID, SCENE, changes, action=measured, about=about)
