@@ -60,7 +60,7 @@ test: ## run everything that has to pass: the checks of style beside the build a
 	$(MAKE) lint bindings-check rust-lint & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
 	$(MAKE) python-test
 
-# In the release profile, with the tool apart, so that all shares what the build made, features and all.
+# In the release profile, and the tool apart: so the tests share what the build made, with its features.
 TOOL := nervure-cargo-fmu
 RUST_TEST := cargo test --release --locked
 

@@ -1,7 +1,7 @@
 //! Contact of the body with walls, obstacles and bodies of the fluid that are still or moved by laws.
 
 use adapter::{obstacles, solid_of};
-use contact::{BodyContacts, Part, PartMotion, Pose};
+use contact::{BodyContacts, BodyError, Part, PartMotion, Pose};
 use nalgebra::{UnitQuaternion, Vector3};
 use rigid::{Body, FreeStep, Freedoms, Placed, join};
 use scene::Scene;
@@ -42,7 +42,7 @@ impl Touch {
         names.insert(0, "the flyer".into());
         match BodyContacts::new([own].into_iter().chain(others).collect(), &contact.law_of_bodies(scene)) {
             Ok(solver) => Ok(Some(Self { solver, names, solids, at_rest })),
-            Err(pair) => Err(format!("contact of {} is not known", pair.map(|part| name(&names, part)).join(" and "))),
+            Err(pair) => Err(BodyError::Touch(BodyError::names(pair, &names)).to_string()),
         }
     }
 
@@ -71,10 +71,7 @@ impl Touch {
         }
         match solver.solve(step.c[0], step.h) {
             Ok(changes) => Ok(changes.map(|changes| changes[0])),
-            Err(pair) => Err(format!(
-                "contact cannot part {}: they are deeper in each other than half a thickness; a smaller step helps",
-                pair.map(|part| name(names, part)).join(" and ")
-            )),
+            Err(pair) => Err(BodyError::Deep { time: t + step.h, bodies: BodyError::names(pair, &*names) }.to_string()),
         }
     }
 }
@@ -84,8 +81,4 @@ fn rates([from, to]: &[Pose<3>; 2], h: f64) -> Freedoms {
     let axes = |pose: &Pose<3>| nalgebra::Matrix3::from_columns(&pose.axes);
     let turn = UnitQuaternion::from_matrix(&(axes(to) * axes(from).transpose()));
     join::<3>(&((to.origin - from.origin) / h), turn.scaled_axis() / h)
-}
-
-fn name(names: &[String], part: usize) -> String {
-    names.get(part).cloned().unwrap_or_else(|| "a wall".into())
 }

@@ -309,7 +309,7 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, contact, 
         ends.append([*places, velocity])
     for part, mounted, flown in zip(("place", "angle", "force", "velocity of the flow"), *ends, strict=True):
         off, scale = np.abs(flown - mounted).max(), np.abs(mounted).max()
-        # Friction takes the force of a contact, whose minimization ends before rounding.
+        # A mount adds the turn by contact to that of its step, a flyer finds both as one.
         assert off < (1e-7 if contact else 1e-9) * scale, f"{part}: {flown}, on a mount {mounted}"
     assert np.abs(ends[0][0]).max() > 0.01
     assert not contact or ends[0][0][2] < 0.02, "it is above the ceiling"

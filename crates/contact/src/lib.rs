@@ -16,6 +16,7 @@
 mod bodies;
 mod cells;
 mod encounter;
+mod error;
 mod law;
 mod obstacle;
 mod surface;
@@ -23,6 +24,7 @@ mod surface;
 pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion, nearest_image};
 pub use cells::{Cells, MOST_PARTNERS};
 pub use encounter::{Encounter, Obstacles, Push};
+pub use error::{BodyError, ContactError};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};
 pub use rigid::Kinematics;

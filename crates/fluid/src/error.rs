@@ -198,23 +198,9 @@ pub enum Error {
         /// Shortest step, s.
         shortest: f64,
     },
-    /// Two bodies of which contact has no points.
-    #[error(
-        "{} and {} cannot touch: in the plane a circle, rectangle or capsule touches all of them and walls, in space a \
-         sphere any shape but an ellipsoid, a capsule another one, and a sphere, capsule or cuboid a wall", .0[0], .0[1]
-    )]
-    Touch([String; 2]),
-    /// Two bodies that are too deep in each other.
-    #[error(
-        "{} and {} are deeper in each other at t = {time:.6e} s than half a thickness: begin apart, or drive them less \
-         far", bodies[0], bodies[1]
-    )]
-    Deep {
-        /// End of the step, s.
-        time: f64,
-        /// Their names.
-        bodies: [String; 2],
-    },
+    /// Contact of rigid bodies fails.
+    #[error(transparent)]
+    Contact(#[from] contact::BodyError),
     /// Several steps of the fluid under loads that were announced for one.
     #[error(
         "the communication step is {step:.3e} s at t = {time:.6e} s, but the announced loads hold for one step of the \

@@ -21,7 +21,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ::contact::{Cells, Encounter, HELD, Law, MOST_PARTNERS, Obstacle, Obstacles, Push};
+use ::contact::{Cells, ContactError, Encounter, HELD, Law, MOST_PARTNERS, Obstacle, Obstacles, Push};
 use structure::{Matrix, Vector, check_law, finite, positive};
 
 use crate::{Error, RodError};
@@ -191,7 +191,9 @@ impl<const D: usize> Contacts<D> {
                 }
             });
             if found > MOST_PARTNERS {
-                return Err(RodError::Crowded { node: spot.segment, found, most: MOST_PARTNERS }.into());
+                return Err(
+                    RodError::from(ContactError::Crowded { node: spot.segment, found, most: MOST_PARTNERS }).into()
+                );
             }
             // Of closest points on one bend only the closest counts: a second may come and go at any distance.
             let distance = |j: u32| strand(x, p, j as usize).distance;
@@ -331,12 +333,12 @@ impl<const D: usize> Contacts<D> {
         if self.own.with_itself {
             let moved = x.iter().zip(origin).map(|(x, before)| (x - before).norm()).fold(0.0, f64::max);
             if moved > self.allowed {
-                return Err(RodError::Hasty { moved, allowed: self.allowed });
+                return Err(ContactError::Hasty { moved, allowed: self.allowed }.into());
             }
         }
         self.visit(x, origin, f64::INFINITY, |Meeting { spot: Spot { segment: node, .. }, met, .. }| {
             if met.passes_through() && self.dt.is_some() {
-                result = Err(RodError::Through { node });
+                result = Err(ContactError::Through { node }.into());
             }
         });
         result
@@ -352,7 +354,7 @@ impl<const D: usize> Contacts<D> {
             0.0,
             |Meeting { spot: Spot { segment: node, .. }, met: Encounter { gaps: [gap, _], .. }, .. }| {
                 if -gap >= allowed {
-                    result = Err(RodError::Deep { node, depth: -gap, allowed }.into());
+                    result = Err(RodError::from(ContactError::Deep { node, depth: -gap, allowed }).into());
                 }
             },
         );

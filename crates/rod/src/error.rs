@@ -41,49 +41,9 @@ pub enum RodError {
         /// Length of the failed sub-step, s.
         dt: f64,
     },
-    /// Surfaces overlap too far before a first step.
-    #[error(
-        "what the rod touches lies {depth:.3e} m inside it near node {node}, but the depth must be less than \
-         {allowed:.3e} m"
-    )]
-    Deep {
-        /// Node before the place.
-        node: usize,
-        /// Depth, m.
-        depth: f64,
-        /// Depth that no force reaches, m.
-        allowed: f64,
-    },
-    /// A sub-step may have missed a contact.
-    #[error("the rod passes through what it touches near node {node} in the smallest sub-step; a smaller step helps")]
-    Through {
-        /// Node before the place.
-        node: usize,
-    },
-    /// A sub-step may have missed a contact of the rod with itself.
-    #[error(
-        "a node moves by {moved:.3e} m in the smallest sub-step, but contact of the rod with itself was sought for at \
-         most {allowed:.3e} m; a smaller step helps"
-    )]
-    Hasty {
-        /// Largest motion of a node, m.
-        moved: f64,
-        /// Motion allowed for, m.
-        allowed: f64,
-    },
-    /// Too many strands of the rod meet.
-    #[error(
-        "near node {node} the rod may touch {found} strands of itself, but at most {most} are allowed; a smaller \
-         contact.range helps, or a smaller step"
-    )]
-    Crowded {
-        /// Node before the place.
-        node: usize,
-        /// Number of strands.
-        found: usize,
-        /// Largest number.
-        most: usize,
-    },
+    /// Contact fails.
+    #[error(transparent)]
+    Contact(#[from] contact::ContactError),
     /// The shape has no finite bending energy.
     #[error(transparent)]
     Shape(#[from] BadShape),

@@ -7,7 +7,7 @@
 //! Points p_m of the triangles touch ([`points_of_surface`]), A_m is the area that belongs to one, and U the potential
 //! of a [`Law`] per area. A point moves with the corners of its triangle, so Newton's matrix keeps its pattern.
 
-use ::contact::{Encounter, HELD, Law, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
+use ::contact::{ContactError, Encounter, HELD, Law, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
 use nalgebra::Matrix3;
 use structure::{check_law, finite};
 
@@ -117,14 +117,14 @@ impl Contacts {
     ) -> Result<(), WingError> {
         self.dt = Some(dt);
         self.obstacles.begin(between);
-        self.itself.as_mut().map_or(Ok(()), |own| own.begin(faces, origin, guess))
+        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin(faces, origin, guess)?))
     }
 
     /// Begin an equilibrium from the shape `origin`, m.
     pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
         self.dt = None;
         self.obstacles.begin_static();
-        self.itself.as_mut().map_or(Ok(()), |own| own.begin_static(faces, origin))
+        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
@@ -141,7 +141,7 @@ impl Contacts {
     fn look_from(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), WingError> {
         self.dt = None;
         self.obstacles.begin_static();
-        self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, closer))
+        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.search(faces, x, closer)?))
     }
 
     /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
@@ -188,7 +188,7 @@ impl Contacts {
         self.visit(faces, x, origin, 0.0, |law, met| {
             if -met.met.gaps[1] >= law.depth {
                 let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
-                result = Err(WingError::Deep { node, depth, allowed: law.depth });
+                result = Err(ContactError::Deep { node, depth, allowed: law.depth }.into());
                 return;
             }
             for (Push { force, .. }, partner) in met.pushes(law, dt) {
@@ -230,7 +230,7 @@ impl Contacts {
         let mut result = Ok(());
         self.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
             if met.passes_through() {
-                result = Err(WingError::Through { node: faces[spot.triangle].nodes[0] });
+                result = Err(ContactError::Through { node: faces[spot.triangle].nodes[0] }.into());
             }
         });
         result

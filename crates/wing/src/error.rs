@@ -25,49 +25,9 @@ pub enum WingError {
         /// Kinetic energy before and after, changes of the other energies, and work of the loads, J.
         exchanged: f64,
     },
-    /// Something lies too deep behind the surface of the wing.
-    #[error(
-        "what the wing touches lies {depth:.3e} m beyond it near node {node}, but the depth must be less than \
-         {allowed:.3e} m; a smaller step helps, or another place at the start"
-    )]
-    Deep {
-        /// Node beside the place.
-        node: usize,
-        /// Depth, m.
-        depth: f64,
-        /// Depth that no force reaches, m.
-        allowed: f64,
-    },
-    /// A sub-step may have missed a contact.
-    #[error("the wing passes through what it touches near node {node} in the smallest sub-step; a smaller step helps")]
-    Through {
-        /// Node beside the place.
-        node: usize,
-    },
-    /// A sub-step may have missed a contact of the wing with itself.
-    #[error(
-        "a node moves by {moved:.3e} m in the smallest sub-step, but contact of the wing with itself was sought for at \
-         most {allowed:.3e} m; a smaller step helps"
-    )]
-    Hasty {
-        /// Largest motion of a node, m.
-        moved: f64,
-        /// Motion allowed for, m.
-        allowed: f64,
-    },
-    /// Too many layers of the wing meet.
-    #[error(
-        "near node {node} the wing may touch {found} layers of itself, but at most {most} are allowed; a smaller \
-         contact.range helps, or a smaller step"
-    )]
-    Crowded {
-        /// Node beside the place.
-        node: usize,
-        /// Number of layers.
-        found: usize,
-        /// Largest number.
-        most: usize,
-    },
+    /// Contact fails.
+    #[error(transparent)]
+    Contact(#[from] contact::ContactError),
     /// The matrix of the wing is singular: a part of it is not held, or it buckles.
     #[error("the stiffness of the wing is singular: a part of it is not held, or it buckles under its loads")]
     Singular,

@@ -9,10 +9,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ::contact::{Cells, Encounter, Law, MOST_PARTNERS, SurfacePoint, nearest_of_triangle, points_of_surface};
+use ::contact::{
+    Cells, ContactError, Encounter, Law, MOST_PARTNERS, SurfacePoint, nearest_of_triangle, points_of_surface,
+};
 use nalgebra::Matrix3;
 
-use crate::WingError;
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
 use crate::parameters::Parameters;
@@ -106,20 +107,20 @@ impl Itself {
     }
 
     /// Begin a stage from `origin` to the first guess `guess`, m.
-    pub(crate) fn begin(&mut self, faces: &[Face], origin: &[Vector], guess: &[Vector]) -> Result<(), WingError> {
+    pub(crate) fn begin(&mut self, faces: &[Face], origin: &[Vector], guess: &[Vector]) -> Result<(), ContactError> {
         let predicted = origin.iter().zip(guess).map(|(x, guess)| (guess - x).norm()).fold(0.0, f64::max);
         self.allowed = predicted + 0.5 * self.touching;
         self.search(faces, origin, 2.0 * self.allowed)
     }
 
     /// Begin an equilibrium from the shape `origin`, m.
-    pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
+    pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), ContactError> {
         self.allowed = f64::INFINITY;
         self.search(faces, origin, (STATIC_SEARCH - 1.0) * self.touching)
     }
 
     /// Find the layers that each point may touch if they come closer by `closer`, m.
-    pub(crate) fn search(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), WingError> {
+    pub(crate) fn search(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), ContactError> {
         let Self { middles, .. } = self;
         let mut around = 0.0_f64;
         for (middle, face) in middles.iter_mut().zip(faces) {
@@ -136,7 +137,7 @@ impl Itself {
         let crowded = (0..self.points.len()).find_map(|m| {
             let found = self.find_layers(faces, x, m, [near, size], &mut partners);
             ends[m] = partners.len();
-            (found > MOST_PARTNERS).then(|| WingError::Crowded {
+            (found > MOST_PARTNERS).then(|| ContactError::Crowded {
                 node: faces[self.points[m].triangle].nodes[0],
                 found,
                 most: MOST_PARTNERS,
@@ -225,9 +226,9 @@ impl Itself {
     }
 
     /// Refuse a stage from `origin` to `x`, m, in which nodes move farther than the search allows for.
-    pub(crate) fn check(&self, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+    pub(crate) fn check(&self, x: &[Vector], origin: &[Vector]) -> Result<(), ContactError> {
         let moved = x.iter().zip(origin).map(|(x, before)| (x - before).norm()).fold(0.0, f64::max);
-        if moved > self.allowed { Err(WingError::Hasty { moved, allowed: self.allowed }) } else { Ok(()) }
+        if moved > self.allowed { Err(ContactError::Hasty { moved, allowed: self.allowed }) } else { Ok(()) }
     }
 
     /// Return the place of point `m` in the shape `x`, m.

@@ -120,7 +120,7 @@ impl Newton {
         elastic.set_angles(origin)?;
         let mut imbalance = match self.find_residual(elastic, balance, origin, x) {
             // The guess knows nothing of what is in the way.
-            Err(WingError::Deep { .. }) => {
+            Err(WingError::Contact(contact::ContactError::Deep { .. })) => {
                 let free = x.iter_mut().zip(origin).zip(&self.system.unknowns).filter(|(_, first)| first.is_some());
                 free.for_each(|((x, origin), _)| *x = *origin);
                 self.find_residual(elastic, balance, origin, x)?

@@ -1,6 +1,6 @@
 //! Contact of the bodies on a mount with each other, with other bodies, and with walls.
 
-use ::contact::{BodyContacts, Obstacle, Part, PartMotion, Pose};
+use ::contact::{BodyContacts, BodyError, Obstacle, Part, PartMotion, Pose};
 
 use super::pose::pose_at;
 use super::rigid::Rigid;
@@ -27,7 +27,7 @@ where
     /// Return the contact of the bodies on a mount; none without such a body.
     ///
     /// # Errors
-    /// [`Error::Touch`] for bodies that cannot touch.
+    /// [`BodyError::Touch`] for bodies that cannot touch.
     pub fn new(parameters: &Parameters<D>) -> Result<Option<Self>, Error> {
         let on_mount = |body: &Body<D>| matches!(body.motion, Some(Motion::Mount(_)));
         let Some(Contact { law, obstacles, walls, .. }) = &parameters.contact else { return Ok(None) };
@@ -37,7 +37,7 @@ where
         let (bodies, size) = (&parameters.bodies, parameters.grid().size);
         let mut parts = Vec::new();
         for body in bodies.iter().chain(obstacles) {
-            let name = || Error::Touch([body.name.clone(), "anything".into()]);
+            let name = || BodyError::Touch([body.name.clone(), "anything".into()]);
             let solid = body.shape.obstacle().ok_or_else(name)?;
             let mut motion = PartMotion::still(place(body, &pose_at(body, 0.0)));
             let inertia = if let Some(Motion::Mount(mount)) = &body.motion {
@@ -59,8 +59,8 @@ where
                 parts.push(Part { solid, inertia: None, pivot: Vector::zeros(), motion });
             }
         }
-        let names = |pair: [usize; 2]| pair.map(|part| name(part, bodies.iter().chain(obstacles).map(|own| &own.name)));
-        let solver = BodyContacts::new(parts, law).map_err(|pair| Error::Touch(names(pair)))?;
+        let names = bodies.iter().chain(obstacles).map(|own| &own.name);
+        let solver = BodyContacts::new(parts, law).map_err(|pair| BodyError::Touch(BodyError::names(pair, names)))?;
         let solver = solver.with_periods(parameters.periods());
         Ok(Some(Self { solver, obstacles: obstacles.clone(), rigid: bodies.len() }))
     }
@@ -69,7 +69,7 @@ where
     /// `c_0` of the differences, by rigid body; none where nothing touches.
     ///
     /// # Errors
-    /// [`Error::Deep`].
+    /// [`BodyError::Deep`].
     pub fn solve(
         &mut self,
         c_0: f64,
@@ -102,15 +102,10 @@ where
             *motion = PartMotion { poses: poses.map(|pose| place(body, &pose)), rates: poses[1].rates(), ..*motion };
         }
         solver.solve(c_0, times[1] - times[0]).map_err(|pair| {
-            let names = || rigid.iter().map(|own| &own.body().name).chain(obstacles.iter().map(|own| &own.name));
-            Error::Deep { time: times[1], bodies: pair.map(|part| name(part, names())) }
+            let names = rigid.iter().map(|own| &own.body().name).chain(obstacles.iter().map(|own| &own.name));
+            BodyError::Deep { time: times[1], bodies: BodyError::names(pair, names) }.into()
         })
     }
-}
-
-/// Return the name of a part.
-fn name<'a>(part: usize, mut names: impl Iterator<Item = &'a String>) -> String {
-    names.nth(part).cloned().unwrap_or_else(|| "a wall".into())
 }
 
 /// Return the place of the shape of a body.

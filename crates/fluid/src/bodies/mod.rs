@@ -205,7 +205,7 @@ where
     /// does to `u*` to `w`.
     ///
     /// # Errors
-    /// [`Error::Deep`].
+    /// [`Error::Contact`].
     pub fn solve_contact<R: Real>(
         &mut self,
         c_0: f64,

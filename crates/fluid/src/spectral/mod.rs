@@ -24,7 +24,7 @@ pub use plane_projection::Projection;
 pub use volume::VolumeTransforms;
 
 /// Least bytes of a field for each thread. With a team on a busy machine, two threads with 94 kB each made a step of
-/// FSI3 longer by a quarter; on two idle cores, with 280 kB each, they made a run shorter by a sixth.
+/// FSI3 longer by a quarter; on two idle cores, with 280 kB each, they made a run shorter by a seventh.
 const LEAST_BYTES_PER_THREAD: usize = 250_000;
 
 /// Most numbers in the lanes of a pack.

@@ -98,7 +98,7 @@ where
     /// Make a step. After an error only the bodies have changed: they are at the end of the step.
     ///
     /// # Errors
-    /// [`Error::Deep`], [`Error::Markers`] and [`Error::Diverged`].
+    /// [`Error::Contact`], [`Error::Markers`] and [`Error::Diverged`].
     fn step(
         &mut self,
         step: &Substep<D>,

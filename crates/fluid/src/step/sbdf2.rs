@@ -191,7 +191,7 @@ where
     /// Put the bodies to the end of the step, and write u* + tau G to `w`.
     ///
     /// # Errors
-    /// [`Error::Deep`] and [`Error::Markers`].
+    /// [`Error::Contact`] and [`Error::Markers`].
     pub fn solve_in_space(
         &mut self,
         step: &Substep<D>,
