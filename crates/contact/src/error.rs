@@ -5,8 +5,8 @@
 pub enum ContactError {
     /// Surfaces overlap too far.
     #[error(
-        "what it touches lies {depth:.3e} m inside it near node {node}, but the depth must be less than {allowed:.3e} \
-         m; a smaller step helps, or another place at the start"
+        "what it touches overlaps it by {depth:.3e} m near node {node}, but less than {allowed:.3e} m are allowed; a \
+         smaller step helps, or another place at the start"
     )]
     Deep {
         /// Node beside the place.

@@ -108,7 +108,7 @@ fn a_wing_thrown_between_obstacles_gains_no_energy_and_stays_outside() {
 fn a_wing_that_starts_in_an_obstacle_is_refused_in_words() {
     let mut wing = parameters(contact(vec![floor()]), -0.02).build().expect("a wing");
     let error = wing.step(STEP).unwrap_err().to_string();
-    assert!(error.contains("what the wing touches lies 2.000e-2 m beyond it"), "{error}");
+    assert!(error.contains("what it touches overlaps it by 2.000e-2 m"), "{error}");
     let mut touch = contact(vec![Obstacle::block([0.0; 3], [0.0; 3], 0.1)]);
     touch.law.range = 1e-4;
     let error = parameters(touch, 0.3).build().err().expect("too many points").to_string();
