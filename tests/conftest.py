@@ -17,6 +17,7 @@ import pytest
 
 from nervure import coupling
 from nervure.cli import main
+from nervure.output.pictures import Pictures
 from nervure.resources import ROOT
 from nervure.scene import read, text, validate
 from nervure.units import package
@@ -90,6 +91,14 @@ TWO_RODS = {
         for name, side in (("upper", 1), ("lower", -1))
     ],
 }
+
+
+draw = Pictures.finish
+
+
+def pytest_runtest_setup(item):
+    """Let only tests that look at pictures draw those of their runs: they take most of a short run."""
+    Pictures.finish = draw if item.get_closest_marker("pictures") else lambda self, results: None
 
 
 @pytest.fixture(scope="session")

@@ -430,6 +430,7 @@ def test_a_flight_resumes(tmp_path):
     assert resumed.series["body_y"] == pytest.approx(whole.series["body_y"], abs=1e-12)
 
 
+@pytest.mark.pictures
 def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_them(tmp_path):
     scene = pair()
     scene["time"]["end"], scene["flyer"]["position"] = 0.02, [0.0, 0.0, 0.3]

@@ -144,6 +144,7 @@ def scene_file(two_rods, tmp_path):
     return path
 
 
+@pytest.mark.pictures
 def test_run_gives_columns_files_and_sums_of_each_rod(scene_file, tmp_path):
     done = run_scene(scene_file, "--output", tmp_path / "results", "--fields-every", "0.02")
     assert done.returncode == 0, done.stderr

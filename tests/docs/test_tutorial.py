@@ -16,6 +16,8 @@ from nervure.resources import ROOT
 from nervure.scene import validate
 from tests.conftest import nervure as nervure_here
 
+pytestmark = pytest.mark.pictures
+
 GUIDE = ROOT / "docs" / "guide"
 INSTALL = "make fsi3\nsource .venv/bin/activate\n"
 

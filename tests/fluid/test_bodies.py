@@ -250,6 +250,7 @@ def test_outlines_are_where_the_bodies_are(swinging):
         assert [*corners.min(0), *corners.max(0)] == pytest.approx([-0.3, -0.05, 0.1, 0.05], abs=1e-3), body
 
 
+@pytest.mark.pictures
 def test_bodies_have_their_force_motion_and_power(swinging, tmp_path):
     swinging["fluid"]["bodies"][0]["motion"]["angle"] = {"sine": {"amplitude": 0.5, "frequency": 1.0}}
     series, summary = run(tmp_path, swinging)

@@ -77,6 +77,7 @@ def plates(fluid_only):
     return fluid_only
 
 
+@pytest.mark.pictures
 def test_rigid_lines_have_forces_places_and_pictures(plates, tmp_path):
     run = nervure.run(validate(plates), tmp_path, quiet=True)
     assert np.abs(run.series["body_1_moment"]).max() > 0 and run.series["body_2_drag"][-1] > 0

@@ -48,6 +48,9 @@ def changed(**parts: object) -> dict:
     return scene
 
 
+pytestmark = pytest.mark.pictures
+
+
 @pytest.fixture(scope="module")
 def run(libraries, tmp_path_factory):
     folder = tmp_path_factory.mktemp("space")

@@ -84,6 +84,7 @@ def test_inspect_shows_a_unit_by_arrays_and_a_run_as_it_printed_it(result):
         assert part in shown, shown
 
 
+@pytest.mark.pictures
 def test_plot_draws_the_same_from_the_table_as_the_run_did(result):
     folder = result("falling")
     first = (folder / "tip.png").read_bytes()
@@ -93,6 +94,7 @@ def test_plot_draws_the_same_from_the_table_as_the_run_did(result):
     assert (folder / "tip.png").read_bytes() == first
 
 
+@pytest.mark.pictures
 def test_plot_lays_several_runs_over_each_other(result, tmp_path):
     folders = result("falling"), result("floating", "--set", "rod.gravity=[0, 0]")
     none = nervure("plot", *folders)
@@ -212,6 +214,7 @@ def test_build_without_cargo_says_what_to_install(tmp_path):
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 
 
+@pytest.mark.pictures
 def test_results_of_another_scene_are_replaced_only_by_force(result, rod_only, packed, tmp_path):
     folder = result("falling", "--set", "name=first", "--fields-every", "1e-3")
     (folder / "notes.txt").write_text("mine")

@@ -32,7 +32,7 @@ from nervure.simulation.sweep import FINISHED
 from studies import limits
 from tests.conftest import nervure as command
 
-pytestmark = pytest.mark.usefixtures("libraries")
+pytestmark = [pytest.mark.usefixtures("libraries"), pytest.mark.pictures]
 
 
 @pytest.fixture

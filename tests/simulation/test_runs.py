@@ -39,6 +39,7 @@ def files(folder):
     return {path.name for path in folder.iterdir()}
 
 
+@pytest.mark.pictures
 def test_a_rod_alone_falls_freely_until_it_feels_its_clamp(rod_only, tmp_path):
     series, summary = run(tmp_path, rod_only)
     assert summary["completed"] and summary["steps"] == 100
@@ -47,6 +48,7 @@ def test_a_rod_alone_falls_freely_until_it_feels_its_clamp(rod_only, tmp_path):
     assert files(tmp_path / "results") == {"falling-rod-rod.fmu", "tip.png", *TABLES}
 
 
+@pytest.mark.pictures
 def test_a_symmetric_flow_has_drag_and_no_lift(fluid_only, tmp_path):
     series, summary = run(tmp_path, fluid_only)
     assert summary["completed"] and summary["steps"] == 20

@@ -29,7 +29,7 @@ from tests.conftest import nervure as command
 from tests.reliability.checks import CHECKS, unpack
 from tests.reliability.unit import WING, child, tried
 
-pytestmark = pytest.mark.usefixtures("libraries")
+pytestmark = [pytest.mark.usefixtures("libraries"), pytest.mark.pictures]
 HANGING = ROOT / "examples" / "wing-hanging.json"
 COARSE = ["wing.mesh.insect.along=4", "time.end=0.02"]
 
