@@ -54,7 +54,7 @@ def follow(page, folder, end=None):
 
 def test_every_command_runs_as_written(tmp_path, libraries):
     assert INSTALL in (GUIDE / "tutorial.md").read_text(encoding="utf-8")
-    follow("tutorial.md", tmp_path)
+    follow("tutorial.md", tmp_path, end=2.1)
     found = nervure.read(tmp_path / "my-vein").summary.flapping
     assert found.thrust > 0 and 0 < found.efficiency < 1 and found.phase_lag_deg > 0, found
     header, *rows = (tmp_path / "my-sweep" / "sweep.csv").read_text(encoding="utf-8").splitlines()
@@ -63,7 +63,7 @@ def test_every_command_runs_as_written(tmp_path, libraries):
 
 def test_every_command_in_space_runs_as_written(tmp_path, libraries):
     """Over a short time; the parts of a wing replace those of the scene with one."""
-    documents = follow("space.md", tmp_path, end=0.1)
+    documents = follow("space.md", tmp_path, end=0.05)
     (fin,) = (document for document in documents if "wing" in document)
     parts = [document for document in documents if "name" not in document]
     assert len(parts) == 2 and all(validate(fin | {"wing": fin["wing"] | part}) for part in parts)
