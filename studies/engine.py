@@ -72,6 +72,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "export": ("crates/fmi-export/src/**/*.rs", "crates/adapter/src/**/*.rs", "crates/fpenv/src/**/*.rs"),
     "reliability": ("tests/reliability/*.py", "tests/reliability/scene.json"),
     "fuzz": ("tests/fuzz/*.py", "tests/fuzz/fuzz_targets/*.rs"),
+    "vortices": ("studies/peers/pterasoftware_plate.py",),
     "peers": tuple(f"studies/peers/{name}.py" for name in ("fluidsim_step", "ngsolve_cylinder", "pyelastica_beam")),
     "limits": ("studies/limits.py",),
     "plate": ("studies/plate.py",),

@@ -31,6 +31,7 @@ BESIDE = {
 }
 """Scenes of the fluid whose steps are timed beside fluidsim's, a step (s) that no limit divides, and their points."""
 TURNS = 3  # Of fluidsim and ours
+PLATE, ANGLE = "plate in space", 30  # Angle, °
 
 SPIN = {"sine": {"amplitude": 0.5, "frequency": 0.2}}
 COST_STEPS = 200  # Communication steps of the runs that measure the cost of a step
@@ -92,6 +93,12 @@ def cases() -> Iterator[Case]:
             changes = space.grid(list(points), step) | {"fluid.precision": "double", "fluid.threads": 1}
             options, about = {"command": command}, {"kind": "step", "grid": " x ".join(map(str, points))}
             yield Case(f"step/{about['grid']}", ("peers", *FLUID), name, changes, options, time_beside, about)
+    for panels in (8, 12, 16):
+        command = ["pterasoftware_plate.py", str(ANGLE), str(panels), "5"]
+        about: dict[str, Any] = {"kind": PLATE, "method": "PteraSoftware", "setting": f"{panels} panels a chord"}
+        about["expected"] = space.expected(f"sheet/{ANGLE}°")
+        name = f"{PLATE}/PteraSoftware/{panels}"
+        yield Case(name, ("vortices",), options={"command": command}, action=run_peer, about=about)
     short = {"time.end": COST_STEPS * 4e-4}
     for n in (21, 42, 84, 168):
         yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
@@ -133,7 +140,7 @@ def exact(shear: bool) -> dict[str, float]:
     return {"tip_ux.mean": x, "tip_uy.mean": y}
 
 
-PEER_METHODS = ("PyElastica", "NGSolve, Taylor–Hood")
+PEER_METHODS = ("PyElastica", "NGSolve, Taylor–Hood", "PteraSoftware")
 
 QUANTITIES: dict[str, list[str]] = LISTED["quantities"]
 FLOWS = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}
@@ -166,6 +173,10 @@ def points(data: Data, case: str) -> list[Point]:
     found = [point(r) for r in data.of(f"report/{case}/*") if not flow or r["method"] in PEER_METHODS]
     for record in data.of("fluid/grid/*", flow=flow) if flow else ():
         found.append(point(record, method=MASKS[record["mask"]], setting=record["grid"]))
+    if case == PLATE:
+        found += [
+            point(record, method="a surface", setting=record["grid"]) for record in data.of(f"space/sheet/{ANGLE}*")
+        ]
     return found
 
 
