@@ -95,10 +95,10 @@ def cases() -> Iterator[Case]:
             yield Case(f"step/{about['grid']}", ("peers", *FLUID), name, changes, options, time_beside, about)
     for panels in (8, 12, 16):
         command = ["pterasoftware_plate.py", str(ANGLE), str(panels), "5"]
-        about: dict[str, Any] = {"kind": PLATE, "method": "PteraSoftware", "setting": f"{panels} panels a chord"}
-        about["expected"] = space.expected(f"sheet/{ANGLE}°")
+        by: dict[str, Any] = {"kind": PLATE, "method": "PteraSoftware", "setting": f"{panels} panels a chord"}
+        by["expected"] = space.expected(f"sheet/{ANGLE}°")
         name = f"{PLATE}/PteraSoftware/{panels}"
-        yield Case(name, ("vortices",), options={"command": command}, action=run_peer, about=about)
+        yield Case(name, ("vortices",), options={"command": command}, action=run_peer, about=by)
     short = {"time.end": COST_STEPS * 4e-4}
     for n in (21, 42, 84, 168):
         yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
