@@ -63,6 +63,14 @@ def test_walls_and_cylinders_through_the_box_keep_their_box():
     assert inflow.box.x[0] == -0.752 and inflow.box.x[1] > 3.6 and inflow.inflow.x == (-0.752, 0.0)
 
 
+def test_two_wings_are_verified_like_one():
+    one = nervure.load("flag-square-144x96x96").copy({"wing.max_step": 1e-3})
+    wing = one.document()["wing"]
+    two = one.copy({"wing": None, "wings": [{"name": name, "wing": wing} for name in ("upper", "lower")]})
+    assert set(verified.sizes(two)) == set(verified.sizes(one)) - {"mesh"}
+    assert [own.wing.max_step for own in Plan(two).setting({"cells": 2.0}).scene.wings] == [2e-3] * 2
+
+
 @pytest.mark.parametrize(
     ("cells", "factor", "right"),
     [([648, 108], 0.5, [324, 54]), ([96, 72, 72], 0.5**0.5, [64, 48, 48]), ([325, 72], 0.5, [162, 36])],
