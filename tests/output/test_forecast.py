@@ -110,6 +110,16 @@ def test_the_cells_of_a_fine_box_are_those_of_the_unit_and_are_warned_of():
     assert "64 and 72 have none" in warned[0]
 
 
+def test_two_driven_wings_have_the_numbers_of_one():
+    document = read("wing-hover-64x64x84")
+    wing = document.pop("wing")
+    one = Facts(validate(document | {"wing": wing})).numbers
+    two = Facts(validate(document | {"wings": [{"name": name, "wing": wing} for name in ("a", "b")]})).numbers
+    assert one.velocity > 0 and one.mass_ratio > 0
+    for name in ("velocity", "reynolds", "reduced_frequency", "mass_ratio", "stiffness"):
+        assert getattr(two, name) == pytest.approx(getattr(one, name), rel=1e-9), name
+
+
 def test_fsi3_warns_of_nothing_as_its_table_shows_its_errors():
     for name in ("fsi3-325x72", "fsi3-324x54", "fsi3-650x144", "fsi3-1300x288"):
         warned = list(forecast.warnings(Facts(validate(read(name)))))
