@@ -101,9 +101,11 @@ def _warnings(facts: Facts) -> Iterator[str]:
     scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return
-    grids = [("", 1, scene.fluid.box.cells)]
-    for name, own in (("middle", scene.fluid.middle_box), ("fine", scene.fluid.fine_box)):
-        grids += [(f" of the {name} box", own.ratio, counts_of(own, scene.fluid))] if own else []
+    grids: list[tuple[str, int, Sequence[int]]] = [("", 1, scene.fluid.box.cells)]
+    if middle := scene.fluid.middle_box:
+        grids.append((" of the middle box", middle.ratio, counts_of(middle, scene.fluid)))
+    if fine := scene.fluid.fine_box:
+        grids.append((" of the fine box", fine.ratio, counts_of(fine, scene.fluid)))
     for whose, unit, counts in grids:
         for axis, cells in zip("xyz", counts, strict=False):
             if not is_fast(cells):
