@@ -211,14 +211,15 @@ def build(
     ] = None,
     fmi: Fmi = 2,
 ) -> None:
-    """Pack the units of a scene without a run; in the source tree, build the libraries first."""
+    """Pack the units of a scene without a run; in the source tree, build the libraries first, but for those of
+    NERVURE_LIBRARIES."""
     from nervure import library
     from nervure.scene import load
     from nervure.units import package
     from nervure.units.describe import describe_all
 
     scene = load(scene_file)  # before the libraries are built, which takes a while
-    if SOURCE is not None:
+    if SOURCE is not None and not os.environ.get("NERVURE_LIBRARIES"):
         library.build()
     for unit in describe_all(scene, fmi).values():
         if descriptions:

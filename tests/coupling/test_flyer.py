@@ -219,12 +219,38 @@ def test_hinges_that_carry_nothing_of_their_own_are_refused(change, fault):
 
 @pytest.mark.parametrize(
     ("change", "fault"),
-    [({"scheme": "tr_bdf2"}, "must be bdf2"), ({"root": None}, "root"), ({"max_step": 1e-3}, "max_step")],
+    [
+        ({"scheme": "tr_bdf2"}, 'scheme` is "tr_bdf2", but .* must be bdf2'),
+        ({"root": None}, "root"),
+        ({"max_step": 1e-3}, "max_step"),
+    ],
 )
 def test_a_wing_that_a_body_cannot_carry_is_refused(change, fault):
     scene = pair()
     scene["wings"][0]["wing"] |= change
     with pytest.raises(SceneError, match=fault):
+        describe("body", scene)
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        ({"inertia": [1.0, 0.0, 1.0]}, r"`flyer.inertia` is \[1.0, 0.0, 1.0\]"),
+        ({"inertia": 1e200}, "`flyer.inertia` is 1e200, but .* product is from"),
+        ({"products_of_inertia": [2.0, 0.0, 0.0]}, r"`flyer.products_of_inertia` is \[2.0, 0.0, 0.0\]"),
+    ],
+)
+def test_a_body_with_an_impossible_inertia_is_refused_by_the_key_that_has_it(change, fault):
+    scene = pair()
+    scene["flyer"] |= {"inertia": [1.0, 1.0, 1.0]} | change
+    with pytest.raises(SceneError, match=fault):
+        describe("body", scene)
+
+
+def test_a_hinge_beyond_all_numbers_is_refused():
+    scene = pair()
+    scene["flyer"]["hinges"][0]["position"] = [0.0, 1e300, 0.0]
+    with pytest.raises(SceneError, match=r"`flyer.hinges\[0\].position` is .* must be from -1e100 to 1e100 m"):
         describe("body", scene)
 
 

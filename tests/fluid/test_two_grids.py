@@ -10,10 +10,12 @@ import pytest
 
 from nervure import api, load
 from nervure.errors import InputError, SceneError
+from nervure.library import check
 from nervure.output.animation import Frames
 from nervure.output.flow import View
 from nervure.scene import validate
 from nervure.simulation.results import FLUID_FIELDS
+from nervure.simulation.session import Session
 from tests.conftest import nervure
 
 SCENE: dict[str, Any] = {
@@ -223,3 +225,37 @@ def test_a_fine_box_that_cannot_be_is_refused_by_its_key(parts, named, libraries
     with pytest.raises(SceneError) as refused:
         load(tmp_path / "scene.json")
     assert all(part in str(refused.value) for part in named), refused.value
+
+
+WALLED: dict[str, Any] = {
+    "name": "walled",
+    "time": {"end": 0.01, "communication_step": 0.005},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 1e-3,
+        "box": {"x": [-0.7, 1.3], "y": [-0.03, 0.44], "cells": [200, 94]},
+        "channel": {"y": [0.0, 0.41]},
+        "fine_box": {"x": [-0.3, 1.0], "y": [0.0, 0.41], "ratio": 2},
+        "initial_velocity": [0.1, 0.0],
+        "mean_flow": {"x": {"constant": 0.1}},
+        "sponge": {"x": [1.0, 1.3], "mean_velocity": {"constant": 0.1}, "c_eta": 0.5},
+        "mask": {"log_linear": {"c_eta": 1e-4}},
+        "time_stepping": {"max_step": 0.005, "max_cfl": 0.4},
+    },
+}
+"""A fine box that touches walls and a sponge at points of the grid, which rounding moves beyond them."""
+
+
+@pytest.mark.parametrize("rows", [94, 80])
+def test_a_fine_box_may_touch_walls_and_zones_at_points_of_the_grid(rows):
+    scene = copy.deepcopy(WALLED)
+    scene["fluid"]["box"]["cells"][1] = rows
+    if rows == 94:
+        with Session(validate(scene)) as session:
+            assert session.run().error is None
+    else:
+        found = [fault.text for fault in check(json.dumps(scene))]
+        assert found == [
+            "`fluid.fine_box.y` is [0.0, 0.41], but its ends at the points of the grid, -0.000625 and 0.410625, must "
+            "lie between the walls at [0.0, 0.41]"
+        ]

@@ -187,7 +187,7 @@ def test_what_cannot_be_an_environment_is_refused_with_name_and_value(changed, w
 def test_an_action_or_a_start_that_is_none_is_refused(env):
     env.reset(seed=0)
     for action in ([np.nan], [0.1, 0.2], ["up"]):
-        with pytest.raises(InputError, match="must be 1 finite numbers"):
+        with pytest.raises(InputError, match="must be 1 finite number$"):
             env.step(np.array(action))
     with pytest.raises(InputError, match="the option start is 2, but must be from 0 to 1"):
         env.reset(options={"start": 2})

@@ -209,7 +209,11 @@ def test_libraries_that_cannot_be_built_are_said(tmp_path, monkeypatch):
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 
 
-def test_build_without_cargo_says_what_to_install(tmp_path):
+def test_build_without_cargo_takes_libraries_that_are_named_or_says_what_to_install(tmp_path, monkeypatch):
+    named = {"PATH": str(tmp_path), "NERVURE_LIBRARIES": str(library("rod").parent)}
+    done = nervure("build", "csm1", "--output", tmp_path, env=os.environ | named)
+    assert done.returncode == 0 and (tmp_path / "csm1-rod.fmu").is_file(), done.stderr
+    monkeypatch.delenv("NERVURE_LIBRARIES", raising=False)
     done = nervure("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 

@@ -11,6 +11,7 @@ from nervure.evaluate import bodies, flapping
 from nervure.output import forecast
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
+from nervure.scene.solids import counts_of
 from nervure.simulation.loop import TimeGrid
 from tests.conftest import FSI3, run_scene
 from tests.rod.test_flapping import known_signal
@@ -92,6 +93,31 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
     warnings = list(forecast.warnings(Facts(validate(read("fsi3-1300x288", assignments)))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
+
+
+def test_the_cells_of_a_fine_box_are_those_of_the_unit_and_are_warned_of():
+    """Ends at halves of cells go up: from -2.25 m to point 12, from 2.25 m to point 21 of cells of 0.5 m from -8 m."""
+    box = {"x": [-8.0, 8.0], "y": [-8.0, 8.0], "cells": [32, 32]}
+    middle = {"x": [-7.0, 7.0], "y": [-5.5, 5.5], "ratio": 2}
+    fine = {"x": [-2.25, 2.25], "y": [-2.25, 1.75], "ratio": 4}
+    fluid = read("cylinder-stream-384x512")["fluid"] | {"box": box, "fine_box": fine, "middle_box": middle}
+    fluid |= {"sponge": None, "initial_velocity": [0.0, 0.0], "mean_flow": {}}
+    scene = validate(read("cylinder-stream-384x512") | {"fluid": fluid, "reference": None})
+    assert counts_of(scene.fluid.fine_box, scene.fluid) == [36, 32]
+    scene.fluid.fine_box.x = (-4.5, 4.0)
+    warned = [text for text in forecast.warnings(Facts(scene)) if "prime factor" in text]
+    assert len(warned) == 1 and warned[0].startswith("68 cells of the fine box along x"), warned
+    assert "64 and 72 have none" in warned[0]
+
+
+def test_two_driven_wings_have_the_numbers_of_one():
+    document = read("wing-hover-64x64x84")
+    wing = document.pop("wing")
+    one = Facts(validate(document | {"wing": wing})).numbers
+    two = Facts(validate(document | {"wings": [{"name": name, "wing": wing} for name in ("a", "b")]})).numbers
+    assert one.velocity > 0 and one.mass_ratio > 0
+    for name in ("velocity", "reynolds", "reduced_frequency", "mass_ratio", "stiffness"):
+        assert getattr(two, name) == pytest.approx(getattr(one, name), rel=1e-9), name
 
 
 def test_fsi3_warns_of_nothing_as_its_table_shows_its_errors():

@@ -6,6 +6,7 @@ import time
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
@@ -61,6 +62,14 @@ def test_walls_and_cylinders_through_the_box_keep_their_box():
     assert "box" not in verified.sizes(nervure.load("sphere-oscillating-64x64x64"))
     inflow = Plan(nervure.load("cylinder-2d1-450x90")).setting({"box": 2 / 3}).scene.fluid
     assert inflow.box.x[0] == -0.752 and inflow.box.x[1] > 3.6 and inflow.inflow.x == (-0.752, 0.0)
+
+
+def test_two_wings_are_verified_like_one():
+    one = nervure.load("flag-square-144x96x96").copy({"wing.max_step": 1e-3})
+    wing = one.document()["wing"]
+    two = one.copy({"wing": None, "wings": [{"name": name, "wing": wing} for name in ("upper", "lower")]})
+    assert set(verified.sizes(two)) == set(verified.sizes(one)) - {"mesh"}
+    assert [own.wing.max_step for own in Plan(two).setting({"cells": 2.0}).scene.wings] == [2e-3] * 2
 
 
 @pytest.mark.parametrize(
@@ -121,6 +130,15 @@ def test_a_run_that_overruns_the_budget_is_stopped_and_made_by_the_next_command(
 def test_a_budget_too_small_for_two_runs_is_refused_with_what_they_take(bar, tmp_path):
     with pytest.raises(InputError, match=r"the budget of .* is too small for two runs of .*: the cheapest two take"):
         quietly(bar, tmp_path, budget=1e-3)
+    slow = process.Verification(bar, tmp_path, 0.02, 36000.0)
+    slow.begin -= 35000.0
+    slow.rows["scene"] = {}  # A first run, which took that long
+    with (
+        patch.object(slow, "_cost", lambda _: 7200.0),
+        patch.object(slow.costs, "measure"),
+        pytest.raises(InputError, match=r"of 10 h, of which a first run left 17 min, is .* take about 4 h"),
+    ):
+        slow._first_round()
 
 
 def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, tmp_path, monkeypatch):

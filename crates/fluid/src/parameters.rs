@@ -22,6 +22,9 @@ const MOST_CELLS: f64 = 4e4;
 /// Cells of the domain by which a fine box that moves may come nearer to the ends of the middle one.
 const CELLS_TO_FOLLOW: usize = 2;
 
+/// Part of a cell by which a fine box and a wall or a zone that touch may overlap by rounding.
+const TOUCH_CELLS: f64 = 1e-6;
+
 /// A fluid and the bodies in it. [`Parameters::new`] has every default: a periodic domain without a body.
 #[derive(Clone, Debug)]
 pub struct Parameters<const D: usize = 2>
@@ -434,16 +437,18 @@ where
             if fine.first[axis] + fine.cells[axis] > grid.cells[axis] {
                 return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, out of the domain"));
             }
-            if let Some([from, to]) = self.walls[axis].filter(|[from, to]| low < *from || high > *to) {
+            let rounding = TOUCH_CELLS * grid.spacing[axis];
+            let crosses = |[from, to]: &[f64; 2]| low < from - rounding || high > to + rounding;
+            if let Some([from, to]) = self.walls[axis].filter(crosses) {
                 let walls = format!("the walls at {from:.6e} and {to:.6e} m");
                 return refuse(format!("reaches along {name} from {low:.6e} to {high:.6e} m, through {walls}"));
             }
         }
-        let [low, high] = ends(0);
+        let ([low, high], rounding) = (ends(0), TOUCH_CELLS * grid.spacing[0]);
         for (name, zone) in [("inflow", &self.inflow), ("sponge", &self.sponge)] {
             if let Some(Zone { x: [from, to], .. }) = zone
-                && low < *to
-                && high > *from
+                && low < to - rounding
+                && high > from + rounding
             {
                 let zone = format!("the {name} from {from:.6e} to {to:.6e} m");
                 return refuse(format!("reaches along x from {low:.6e} to {high:.6e} m, into {zone}"));
@@ -475,7 +480,7 @@ where
         let closed = zones.map(|zone| zone.x).chain(walls);
         closed.fold([f64::NEG_INFINITY, f64::INFINITY], |[back, forth], [from, to]| {
             // Whole cells of a gap that is less than a period.
-            let cells = |gap: f64| ((gap / spacing + 1e-6).rem_euclid(size / spacing)).floor();
+            let cells = |gap: f64| ((gap / spacing + TOUCH_CELLS).rem_euclid(size / spacing)).floor();
             [back.max(-cells(low - to)), forth.min(cells(from - high))]
         })
     }

@@ -174,6 +174,12 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     faults.forbid(contact.film.is_some() && (moving.is_empty() || without_fluid), "contact.film", || {
         "only a body on a `mount` and a flyer have a film, in a fluid".into()
     });
+    if let (Some(range), Some(fluid)) = (contact.range, &scene.fluid) {
+        let shortest = fluid.r#box.ends().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
+        faults.require(range <= 0.5 * shortest, "contact.range", range, || {
+            format!("it must be at most half the shortest side of the box, {}", 0.5 * shortest)
+        });
+    }
     let projected = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.bending == Bending::Projected));
     faults.forbid(projected, "contact", || "a rod with projected bending cannot turn as contact may want".into());
     for (i, body) in contact.obstacles.iter().enumerate() {

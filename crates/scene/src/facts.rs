@@ -308,7 +308,7 @@ fn dimensionless(
     });
     // These numbers of a beam are of a metre of depth.
     let first = first.filter(|_| !fluid.is_space()).or_else(|| {
-        let (wing, length) = (scene.wing.as_ref()?, length?);
+        let (wing, length) = (scene.wings().next()?.wing, length?);
         let membrane = wing.membrane.filter(|membrane| membrane.bending_stiffness > 0.0);
         Some((length, mean_density(wing) / rho, membrane.map_or(f64::NAN, |membrane| membrane.bending_stiffness)))
     });
@@ -458,7 +458,7 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         let arms = wing.mesh.build().nodes.into_iter().map(|node| minus(node, wing.pivot));
         arms.max_by(|a, b| vector::norm(*a).total_cmp(&vector::norm(*b))).unwrap_or_default()
     };
-    if let Some((wing, laws)) = scene.wing.as_ref().and_then(|wing| Some((wing, wing.laws()?))) {
+    for (wing, laws) in scene.wings().filter_map(|own| Some((own.wing, own.wing.laws()?))) {
         let arm = farthest(wing);
         let velocity = |t: f64| {
             let (shift, turn) = (laws.displacement(t).1, laws.direction(t, arm).1);

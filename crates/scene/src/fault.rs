@@ -258,7 +258,7 @@ fn sentences(faults: &[Fault]) -> String {
 }
 
 /// Return the text with powers of ten in place of numbers of many digits; names and quoted texts stay.
-fn legible(text: &str) -> String {
+pub(crate) fn legible(text: &str) -> String {
     let is_part = |letter: char| letter.is_alphanumeric() || matches!(letter, '.' | '_' | '"' | '…');
     let mut rest = text;
     let mut result = String::with_capacity(text.len());

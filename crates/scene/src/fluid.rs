@@ -342,6 +342,14 @@ impl FluidBox {
     }
 }
 
+/// Part of a cell by which a fine box and a wall or a zone that touch may overlap by rounding.
+const TOUCH_CELLS: f64 = 1e-6;
+
+/// Return the ends of a fine box at the points of the large grid in words.
+fn of_grid([low, high]: [f64; 2]) -> String {
+    format!("its ends at the points of the grid, {low:.6} and {high:.6},")
+}
+
 impl FineBox {
     /// Return the ends along each axis, m.
     fn ends(&self) -> impl Iterator<Item = [f64; 2]> {
@@ -606,20 +614,31 @@ impl Fluid {
         if faults.len() > known {
             return;
         }
-        let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(self.walls());
-        for (name, (([_, cells], own), walls)) in AXES.into_iter().zip(places) {
+        let large = self.r#box.ends().zip(self.r#box.spacing());
+        let places = fine.places(&self.r#box).into_iter().zip(fine.ends()).zip(self.walls()).zip(large);
+        let mut along_x = fine.x;
+        for (axis, ((([first, cells], own), walls), ([low, _], cell))) in places.enumerate() {
+            let name = AXES[axis];
+            let reached = [first, first + cells].map(|point| low + point as f64 * cell);
+            if axis == 0 {
+                along_x = reached;
+            }
             let key = format!("{key}.{name}");
             let (cells, around) = (cells * between, if between > 1 { "middle" } else { "large" });
             faults.require(cells >= LEAST_CELLS_OF_FINE_BOX, &key, format!("{own:?}"), || {
                 format!("it must have {LEAST_CELLS_OF_FINE_BOX} cells of the {around} box across, and has {cells}")
             });
-            let between = walls.is_none_or(|[low, high]| low <= own[0] && own[1] <= high);
-            faults.require(between, &key, format!("{own:?}"), || format!("it must lie between the walls at {walls:?}"));
+            let rounding = TOUCH_CELLS * cell;
+            let between = walls.is_none_or(|[from, to]| from - rounding <= reached[0] && reached[1] <= to + rounding);
+            faults.require(between, &key, format!("{own:?}"), || {
+                format!("{} must lie between the walls at {:?}", of_grid(reached), walls.unwrap_or_default())
+            });
         }
+        let rounding = TOUCH_CELLS * self.r#box.spacing()[0];
         for Zone { name, x: zone, .. } in self.zones().into_iter().flatten() {
-            let apart = fine.x[1] <= zone[0] || zone[1] <= fine.x[0];
+            let apart = along_x[1] <= zone[0] + rounding || zone[1] - rounding <= along_x[0];
             faults.require(apart, &format!("{key}.x"), format!("{:?}", fine.x), || {
-                format!("it must not reach into the {name}, {zone:?}")
+                format!("{} must not reach into the {name}, {zone:?}", of_grid(along_x))
             });
         }
     }

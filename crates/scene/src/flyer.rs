@@ -134,6 +134,23 @@ impl HingeLaws {
     }
 }
 
+/// Largest distance of a hinge from the pivot along an axis, m, whose square is a number.
+const FARTHEST: f64 = 1e100;
+
+impl Flyer {
+    /// Return its mass, kg, or its moment of inertia about the pivot, kg m², against a motion in one direction, without
+    /// what it carries.
+    pub(crate) fn inertia_along(&self, along: FreedomName) -> f64 {
+        let Some(axis) = (along as usize).checked_sub(FreedomName::AngleX as usize) else { return self.mass };
+        let own = match self.inertia {
+            Inertia::Same(about) => about,
+            Inertia::Each(about) => about[axis],
+        };
+        let arms = self.centre_of_mass.iter().enumerate().filter(|(d, _)| *d != axis);
+        own + self.mass * arms.map(|(_, arm)| arm * arm).sum::<f64>()
+    }
+}
+
 impl FlyerHinge {
     /// Return its laws, if it has such.
     pub fn laws(&self) -> Option<&HingeLaws> {
@@ -162,6 +179,10 @@ impl FlyerHinge {
 
 impl Check for FlyerHinge {
     fn check_at(&self, key: &str, faults: &mut Faults) {
+        let is_near = self.position.iter().all(|place| place.abs() <= FARTHEST);
+        faults.require(is_near, &format!("{key}.position"), format!("{:?}", self.position), || {
+            format!("each component must be from -{FARTHEST:e} to {FARTHEST:e} m")
+        });
         if let Some(turn) = &self.turn {
             faults.direction(&format!("{key}.turn.axis"), &turn.axis);
         }

@@ -46,11 +46,17 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
         Inertia::Each(about) => about,
     };
     let [yz, zx, xy] = flyer.products_of_inertia;
+    let own_positive = [x, y, z].iter().all(|about| *about > 0.0) && (x * y * z).is_normal();
+    faults.require(own_positive, "flyer.inertia", flyer.inertia, || {
+        "each axis has a moment of inertia > 0, and their product is from 1e-300 to 1e300".into()
+    });
     // All leading minors are above 0.
-    let is_positive = x > 0.0
-        && x * y - xy * xy > 0.0
-        && x * (y * z - yz * yz) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx) > 0.0;
-    faults.require(is_positive, "flyer.inertia", flyer.inertia, || "each axis has a moment of inertia > 0".into());
+    let is_positive =
+        x * y - xy * xy > 0.0 && x * (y * z - yz * yz) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx) > 0.0;
+    let products = format!("{:?}", flyer.products_of_inertia);
+    faults.require(!own_positive || is_positive, "flyer.products_of_inertia", products, || {
+        format!("with `flyer.inertia`, {}, each axis, also an oblique one, has a moment of inertia > 0", flyer.inertia)
+    });
     if let Some(shape) = flyer.shape {
         let bodies = scene.fluid.as_ref().map_or(&[][..], |fluid| &fluid.bodies);
         let is_driven = |k: usize| bodies.get(k).is_some_and(|body| matches!(body.motion, Some(BodyDrive::Master(_))));
@@ -139,7 +145,8 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
 /// Check that a part steps as the body that carries it, once in a communication step.
 fn check_scheme(key: &str, scheme: method::Scheme, max_step: Option<f64>, faults: &mut Faults) {
     let differences = scheme == method::Scheme::Bdf2;
-    faults.require(differences, &format!("{key}.scheme"), format!("{scheme:?}"), || {
+    let shown = serde_json::to_string(&scheme).unwrap_or_default();
+    faults.require(differences, &format!("{key}.scheme"), shown, || {
         "what a flyer carries steps as its body: it must be bdf2".into()
     });
     faults.forbid(max_step.is_some(), &format!("{key}.max_step"), || {

@@ -407,9 +407,7 @@ impl Check for Points {
             "the last value of a period must equal the first".into()
         });
         let key = &key.replace(".values", ".end_slopes");
-        faults.require(!periodic || end_slopes.is_none(), key, format!("{end_slopes:?}"), || {
-            "a periodic table has no ends".into()
-        });
+        faults.forbid(*periodic && end_slopes.is_some(), key, || "a periodic table has no ends".into());
     }
 }
 

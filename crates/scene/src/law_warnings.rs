@@ -8,6 +8,7 @@ use geometry::AXES;
 use method::Precision;
 
 use crate::fluid::Fluid;
+use crate::flyer::HingeLaws;
 use crate::law::TimeLaw;
 use crate::mount::Freedom;
 use crate::places::rounded;
@@ -55,6 +56,13 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
             found.extend(fast(&key, "the spring of `", " without the fluid", frequency, step));
         }
     }
+    if let Some(flyer) = &scene.flyer {
+        for (i, spring) in flyer.springs.iter().enumerate() {
+            let frequency = (spring.support.stiffness / flyer.inertia_along(spring.along)).sqrt() / (2.0 * PI);
+            let key = format!("flyer.springs[{i}].support.stiffness");
+            found.extend(fast(&key, "the spring of `", " without what it carries", frequency, step));
+        }
+    }
     found
 }
 
@@ -87,11 +95,17 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
         for (name, law) in fluid.mean_flow.iter().flat_map(|mean| mean.laws()) {
             see(format!("fluid.mean_flow.{name}"), law);
         }
-        for own in fluid.obstacles() {
-            let Some(motion) = own.body.laws() else { continue };
-            for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
-                see(format!("{}.motion.{name}", own.key), law);
-            }
+    }
+    let of_fluid = scene.fluid.iter().flat_map(Fluid::obstacles).map(|own| (own.key, own.body));
+    let of_contact = scene.contact.iter().flat_map(|contact| contact.obstacles.iter().cloned().enumerate());
+    let of_contact = of_contact.map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
+    for (key, body) in of_fluid.chain(of_contact) {
+        let Some(motion) = body.laws() else { continue };
+        for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
+            see(format!("{key}.motion.{name}"), law);
+        }
+        for (i, turn) in motion.rotations.iter().enumerate() {
+            see(format!("{key}.motion.rotations[{i}].angle"), &turn.angle);
         }
     }
     for own in scene.beams_with_rods() {
@@ -109,6 +123,21 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
             for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
                 see(format!("{key}.root.free.{name}"), law);
             }
+        }
+    }
+    for own in scene.wings() {
+        let Some(laws) = own.wing.laws() else { continue };
+        for (name, law) in AXES.into_iter().zip(laws.along()) {
+            see(format!("{}.root_motion.{name}", own.key), law);
+        }
+        for (i, turn) in laws.rotations.iter().enumerate() {
+            see(format!("{}.root_motion.rotations[{i}].angle", own.key), &turn.angle);
+        }
+    }
+    for (i, hinge) in scene.flyer.iter().flat_map(|flyer| &flyer.hinges).enumerate() {
+        let Some(HingeLaws { stroke, deviation, pitch }) = hinge.laws() else { continue };
+        for (name, law) in [("stroke", stroke), ("deviation", deviation), ("pitch", pitch)] {
+            see(format!("flyer.hinges[{i}].motion.{name}"), law);
         }
     }
 }

@@ -49,8 +49,10 @@ pub(crate) fn layers(scene: &Scene, fluid: &Fluid, scales: &[(String, Scales)], 
             moves(format!("{}rod.root_motion", own.key()), laws.all().collect(), OF_ROOT);
         }
     }
-    if let Some(laws) = scene.wing.as_ref().and_then(|wing| wing.laws()) {
-        moves("wing.root_motion".into(), laws.all().collect(), OF_ROOT);
+    for own in scene.wings() {
+        if let Some(laws) = own.wing.laws() {
+            moves(format!("{}.root_motion", own.key), laws.all().collect(), OF_ROOT);
+        }
     }
     let plates = fluid.obstacles().filter(|own| fluid.is_space() && own.body.shape.surface().is_some());
     for own in plates {

@@ -8,6 +8,7 @@ use geometry::{AXES, Shape, Surface, Touch, beyond};
 use crate::beam::Beam;
 use crate::body::{Body, BodyMotion};
 use crate::contact_warnings;
+use crate::fault::legible;
 use crate::fluid::{Fluid, Obstacle};
 use crate::flyer::Flyer;
 use crate::law::TimeLaw;
@@ -71,7 +72,10 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
     found.extend(scene.beams_with_rods().filter_map(|own| contact_warnings::of_rod(scene, &own)));
     found.extend(contact_warnings::of_bodies(scene));
-    found.extend(scene.wing.iter().flat_map(wing_checks::warnings));
+    found.extend(scene.wings().flat_map(|own| wing_checks::warnings(own.wing, &own.key)));
+    for own in &mut found {
+        own.text = legible(&own.text);
+    }
     found
 }
 
@@ -131,13 +135,13 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
         let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", Some(own.beam));
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
-    let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none()).map(|wing| {
-        let (mesh, laws) = (wing.mesh.build(), wing.laws());
+    let wings = scene.wings().filter(|_| scene.flyer.is_none()).map(|own| {
+        let (mesh, laws) = (own.wing.mesh.build(), own.wing.laws());
         let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
-        let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", None);
-        Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
+        let part = part(own.key, rest, laws.is_some(), " (as a rigid wing)", None);
+        Moving { part, motion: Motion::Root { pivot: own.wing.pivot, laws } }
     });
-    fluid.obstacles().map(rigid).chain(beams).chain(wing).collect()
+    fluid.obstacles().map(rigid).chain(beams).chain(wings).collect()
 }
 
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
@@ -374,7 +378,7 @@ fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Moving], shapes: &[S
     });
     let moved = released || fluid.bodies.iter().any(Body::is_driven) || laws.any(|law| law.largest_rate() > 0.0);
     let mut pulls = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across).copied());
-    if moved || pulls.any(|g| g != 0.0) || scene.wing.as_ref().is_some_and(|wing| wing.gravity[across] != 0.0) {
+    if moved || pulls.any(|g| g != 0.0) || scene.wings().any(|own| own.wing.gravity[across] != 0.0) {
         return None;
     }
     let middles = shapes.iter().map(|shape| shape.bounds()[across].iter().sum::<f64>() / 2.0);

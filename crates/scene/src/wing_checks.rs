@@ -21,8 +21,8 @@ impl Wing {
     }
 }
 
-/// Return what may be a mistake in a wing without faults.
-pub(crate) fn warnings(wing: &Wing) -> Vec<Warning> {
+/// Return what may be a mistake in a wing without faults, the value of `key`.
+pub(crate) fn warnings(wing: &Wing, key: &str) -> Vec<Warning> {
     let mesh = wing.mesh.build();
     let mut found = Vec::new();
     let doubled = mesh.doubled();
@@ -31,14 +31,14 @@ pub(crate) fn warnings(wing: &Wing) -> Vec<Warning> {
             "{} of the wing lie in the place of others, as {second} of {first}: the mesh is open there",
             if doubled.len() == 1 { "a node".into() } else { format!("{} nodes", doubled.len()) }
         );
-        found.push(Warning { key: "wing.mesh".into(), time: None, text });
+        found.push(Warning { key: format!("{key}.mesh"), time: None, text });
     }
     let parts = region_triangles(wing, &mesh);
     for (j, part) in parts.iter().enumerate() {
         for (i, other) in parts[..j].iter().enumerate() {
             let both = part.intersection(other).count();
             if both > 0 && both < part.len() {
-                let (key, name) = (format!("wing.regions[{j}]"), &wing.regions[i].name);
+                let (key, name) = (format!("{key}.regions[{j}]"), &wing.regions[i].name);
                 let text = format!(
                     "`{key}` ({}) crosses the region {name}: {both} triangles lie in both, and have its material",
                     wing.regions[j].name

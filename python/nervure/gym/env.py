@@ -302,7 +302,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         except (TypeError, ValueError):
             targets = np.array(math.nan)
         if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
-            raise InputError(f"the action is {action!r}, but must be {len(self.actions)} finite numbers")
+            count = len(self.actions)
+            raise InputError(f"the action is {action!r}, but must be {count} finite number{'s' * (count != 1)}")
         try:
             targets = self._follow(targets)
             self._last = self._observe()

@@ -12,6 +12,7 @@ from pathlib import Path
 from nervure.errors import UnitError
 from nervure.evaluate import benchmark
 from nervure.scene.facts import Body, Facts
+from nervure.scene.solids import counts_of
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.places import counted
 from nervure.simulation.session import Session
@@ -62,7 +63,7 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
         if numbers.density_ratio is not None:
             parts.append(f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces")
         parts.append(f"added mass {numbers.added_mass_ratio:.3g} of its own")
-        yield "wing" if scene.wing else "beam", ", ".join(parts)
+        yield "wing" if scene.wing or scene.wings else "beam", ", ".join(parts)
     for name, mount in numbers.mounts.items():
         parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():
@@ -100,11 +101,17 @@ def _warnings(facts: Facts) -> Iterator[str]:
     scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return
-    for axis, cells in zip("xyz", scene.fluid.box.cells, strict=False):
-        if not is_fast(cells):
-            below, above = (next(filter(is_fast, count(cells, step))) for step in (-1, 1))
-            cause = f"{cells} cells along {axis} have a prime factor above {FACTORS[-1]}"
-            yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
+    grids: list[tuple[str, int, Sequence[int]]] = [("", 1, scene.fluid.box.cells)]
+    if middle := scene.fluid.middle_box:
+        grids.append((" of the middle box", middle.ratio, counts_of(middle, scene.fluid)))
+    if fine := scene.fluid.fine_box:
+        grids.append((" of the fine box", fine.ratio, counts_of(fine, scene.fluid)))
+    for whose, unit, counts in grids:
+        for axis, cells in zip("xyz", counts, strict=False):
+            if not is_fast(cells):
+                below, above = (next(filter(is_fast, count(cells, step))) for step in (-unit, unit))
+                cause = f"{cells} cells{whose} along {axis} have a prime factor above {FACTORS[-1]}"
+                yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
     if numbers is None:
         return
     lines = facts.lines

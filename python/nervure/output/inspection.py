@@ -17,7 +17,7 @@ from nervure.output import forecast, prior
 from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
-from nervure.scene.solids import cell_lengths
+from nervure.scene.solids import cell_lengths, counts_of
 from nervure.scene.types import FineBox, Fluid, MiddleBox
 from nervure.simulation import checkpoint, results, verified
 from nervure.simulation.session import Session
@@ -124,16 +124,8 @@ def show_scene(console: Console, scene: Scene) -> None:
 
 def _cells_of(fine: FineBox | MiddleBox, fluid: Fluid) -> str:
     """Return number and lengths of the cells of a box in the large one."""
-    counts, lengths = [], []
-    for (low, high), (own_low, own_high), large in zip(
-        (end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end),
-        (end for end in (fine.x, fine.y, fine.z) if end),
-        fluid.box.cells,
-        strict=True,
-    ):
-        cell = (high - low) / large
-        counts.append(str(fine.ratio * (round((own_high - low) / cell) - round((own_low - low) / cell))))
-        lengths.append(f"{cell / fine.ratio:.3g}")
+    counts = map(str, counts_of(fine, fluid))
+    lengths = (f"{cell / fine.ratio:.3g}" for cell in cell_lengths(fluid))
     return f"{' x '.join(counts)} cells of {' x '.join(lengths)} m"
 
 

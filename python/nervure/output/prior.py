@@ -50,7 +50,7 @@ def likeness(facts: Facts) -> Likeness | None:
 
 def kind(scene: Scene) -> str:
     """Return whether a scene bends, moves or is still."""
-    if scene.rod or scene.rods or scene.wing:
+    if scene.rod or scene.rods or scene.wing or scene.wings:
         return "elastic"
     bodies: list[Cylinder | Body] = [*scene.fluid.cylinders, *scene.fluid.bodies] if scene.fluid else []
     return "moving" if any(map(_moves, bodies)) else "still"

@@ -1,5 +1,6 @@
 """Rigid bodies: the outputs for their places, and in space their lengths and surfaces."""
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -8,7 +9,9 @@ from nervure.scene.outline import POSE, circle
 from nervure.scene.types import (
     Body,
     BodyMotion,
+    FineBox,
     Fluid,
+    MiddleBox,
     ShapeCapsule,
     ShapeCircularCylinder,
     ShapeCuboid,
@@ -116,6 +119,17 @@ def longest(fluid: Fluid) -> float:
 def box_ends(fluid: Fluid) -> list[tuple[float, float]]:
     """Return the ends of the box along each of its axes, m."""
     return [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
+
+
+def counts_of(fine: FineBox | MiddleBox, fluid: Fluid) -> list[int]:
+    """Return the numbers of cells of a box in the large one; its ends are at the nearest points of the large grid."""
+    ends = [end for end in (fine.x, fine.y, fine.z) if end]
+    axes = zip(ends, box_ends(fluid), cell_lengths(fluid), strict=True)
+    # Halves go up, as in the units: `round` takes them to even numbers.
+    return [
+        fine.ratio * (math.floor((own[1] - low) / cell + 0.5) - math.floor((own[0] - low) / cell + 0.5))
+        for own, (low, _), cell in axes
+    ]
 
 
 def cell_lengths(fluid: Fluid) -> tuple[float, ...]:

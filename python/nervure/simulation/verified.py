@@ -193,7 +193,7 @@ def free_axes(scene: Scene) -> list[int]:
 def _is_solid(scene: Scene) -> bool:
     """Return whether anything stands in the fluid."""
     fluid = scene.fluid
-    return bool(fluid and (fluid.cylinders or fluid.bodies or beams(scene) or scene.wing))
+    return bool(fluid and (fluid.cylinders or fluid.bodies or beams(scene) or scene.wing or scene.wings))
 
 
 def _mean(values: Sequence[float]) -> float:

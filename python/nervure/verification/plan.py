@@ -192,6 +192,7 @@ def _vary_step(scene: Scene, factor: float) -> Changes:
         changes["fluid.time_stepping.max_step"] = scene.fluid.time_stepping.max_step * factor
     parts = [("rod", scene.rod), ("wing", scene.wing)]
     parts += [(f"rods.{i}.rod", own.rod) for i, own in enumerate(scene.rods)]
+    parts += [(f"wings.{i}.wing", own.wing) for i, own in enumerate(scene.wings)]
     return changes | {f"{key}.max_step": part.max_step * factor for key, part in parts if part and part.max_step}
 
 

@@ -170,9 +170,10 @@ class Verification:
             if self.rows and self.left <= 0:
                 return []
             if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
+                left = f", of which a first run left {forecast.duration(max(self.left, 0.0))}," if self.rows else ""
                 raise InputError(
-                    f"the budget of {forecast.duration(self.budget)} is too small for two runs of {self.scene.name}: "
-                    f"the cheapest two take about {forecast.duration(cheapest)}"
+                    f"the budget of {forecast.duration(self.budget)}{left} is too small for two runs of "
+                    f"{self.scene.name}: the cheapest two take about {forecast.duration(cheapest)}"
                 )
         if top > 1.0:
             self._announce(settings)
