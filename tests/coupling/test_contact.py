@@ -41,3 +41,37 @@ def test_a_flag_that_is_pressed_against_the_wall_stays_outside_and_leaves(tmp_pa
     assert off < 1e-3, f"the powers differ by {off}"
     # The load reaches 400 N/m.
     assert jumps.max() < 20.0, f"the load jumps by {jumps.max()} N/m"
+
+
+def test_two_wings_that_clap_and_fling_stay_apart_and_are_mirror_images(tmp_path):
+    """Without contact they pass 0.08 mm through the plane between them, with it they stay 0.09 mm in front of it."""
+    wings = example("wings-clap", {"time.end": 0.0032})
+    mirror, closest, off, stored, loads, powers = np.array([[-1.0], [1.0], [1.0]]), [], 0.0, [], [], []
+    energies = ["energy.elastic", "energy.kinetic", "energy.contact"]
+    with Session(wings, tmp_path) as session:
+        session.start()
+        left, right, fluid = (session.units[name] for name in ("left", "right", "fluid"))
+        read = left.scalars_reader(["root.work", "load.work", *energies])
+        load_of = [wing.scalars_reader(["load.x", "load.y", "load.z"]) for wing in (left, right)]
+        power_of = left.scalars_reader(["load.power"]), fluid.scalars_reader(["wing[1].power"])
+        for _ in range(session.grid.steps):
+            session.step()
+            one, other = (np.array([wing.read(axis) for axis in "xyz"]) for wing in (left, right))
+            closest.append(one[0].min())
+            off = max(off, np.abs(mirror * one - other).max())
+            root, load, *energy = read()
+            stored.append(root + load - sum(energy))
+            loads.append([own().copy() for own in load_of])
+            powers.append([own().item() for own in power_of])
+        assert not session.warnings
+    loads, powers = np.array(loads), np.array(powers)
+    largest = np.abs(loads).max()
+    uneven = np.abs(loads[:, 0] * mirror[:, 0] - loads[:, 1]).max() / largest
+    differ = np.abs(np.diff(powers)).sum() / np.abs(powers).sum()
+    jumps = np.abs(np.diff(loads[:, 0, 0], 2)).max() / largest
+    print(min(closest), closest[-1], off, uneven, min(stored), stored[-1], differ, jumps)
+    assert 5e-5 < min(closest) < 1.2e-4 and closest[-1] > 2.5e-4, f"{min(closest)} m, at the end {closest[-1]} m"
+    assert off < 1e-9 * 2.5e-3 and uneven < 1e-9, f"the wings differ by {off} m, their loads by {uneven}"
+    # Works of root and load pay for all energy: a wing stores up to 1e-8 J.
+    assert min(stored) > -1e-12 and stored[-1] > 1e-9
+    assert differ < 0.01 and jumps < 0.05, f"powers differ by {differ}, the load jumps by {jumps}"
