@@ -1,0 +1,77 @@
+"""Rods and wings in a fluid that touch walls and each other: the scenes of `examples` on coarse grids."""
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.resources import ROOT
+from nervure.scene import Scene
+from nervure.simulation.session import Session
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+
+def example(name: str, changes: dict) -> Scene:
+    return nervure.load(ROOT / "examples" / f"{name}.json").copy(changes)
+
+
+def test_a_flag_that_is_pressed_against_the_wall_stays_outside_and_leaves(tmp_path):
+    """It is pressed for half a second, first by its middle and then by its tip."""
+    flag = example("flag-wall", {"fluid.box.cells": [240, 54], "time.end": 0.9})
+    low, energy, load, powers = [], [], [], []
+    with Session(flag, tmp_path) as session:
+        session.start()
+        rod, fluid = session.units["rod"], session.units["fluid"]
+        on_rod = rod.scalars_reader(["energy.contact", "load.y", "load.power"])
+        from_fluid = fluid.scalars_reader(["beam.power"])
+        for _ in range(session.grid.steps):
+            session.step()
+            low.append(rod.read("y").min())
+            *numbers, power = on_rod()
+            energy.append(numbers[0])
+            load.append(numbers[1])
+            powers.append([power, *from_fluid()])
+    touching, on_rod_and_fluid = np.array(energy) > 0.0, np.array(powers)
+    off = np.abs(np.diff(on_rod_and_fluid)).sum() / np.abs(on_rod_and_fluid).sum()
+    jumps = np.abs(np.diff(load, 2))
+    print(min(low), touching.sum(), off, jumps.max())
+    # Half the thickness is 0.01 m.
+    assert min(low) > 0.01, f"the axis comes to {min(low)} m from the wall"
+    assert touching.sum() > 400 and not touching[-30:].any(), "it does not touch, or does not leave"
+    assert off < 1e-3, f"the powers differ by {off}"
+    # The load reaches 400 N/m.
+    assert jumps.max() < 20.0, f"the load jumps by {jumps.max()} N/m"
+
+
+def test_two_wings_that_clap_and_fling_stay_apart_and_are_mirror_images(tmp_path):
+    """Without contact they pass 0.08 mm through the plane between them, with it they stay 0.09 mm in front of it."""
+    wings = example("wings-clap", {"time.end": 0.0032})
+    mirror, closest, off, stored, loads, powers = np.array([[-1.0], [1.0], [1.0]]), [], 0.0, [], [], []
+    energies = ["energy.elastic", "energy.kinetic", "energy.contact"]
+    with Session(wings, tmp_path) as session:
+        session.start()
+        left, right, fluid = (session.units[name] for name in ("left", "right", "fluid"))
+        read = left.scalars_reader(["root.work", "load.work", *energies])
+        load_of = [wing.scalars_reader(["load.x", "load.y", "load.z"]) for wing in (left, right)]
+        power_of = left.scalars_reader(["load.power"]), fluid.scalars_reader(["wing[1].power"])
+        for _ in range(session.grid.steps):
+            session.step()
+            one, other = (np.array([wing.read(axis) for axis in "xyz"]) for wing in (left, right))
+            closest.append(one[0].min())
+            off = max(off, np.abs(mirror * one - other).max())
+            root, load, *energy = read()
+            stored.append(root + load - sum(energy))
+            loads.append([own().copy() for own in load_of])
+            powers.append([own().item() for own in power_of])
+        assert not session.warnings
+    loads, powers = np.array(loads), np.array(powers)
+    largest = np.abs(loads).max()
+    uneven = np.abs(loads[:, 0] * mirror[:, 0] - loads[:, 1]).max() / largest
+    differ = np.abs(np.diff(powers)).sum() / np.abs(powers).sum()
+    jumps = np.abs(np.diff(loads[:, 0, 0], 2)).max() / largest
+    print(min(closest), closest[-1], off, uneven, min(stored), stored[-1], differ, jumps)
+    assert 5e-5 < min(closest) < 1.2e-4 and closest[-1] > 2.5e-4, f"{min(closest)} m, at the end {closest[-1]} m"
+    assert off < 1e-9 * 2.5e-3 and uneven < 1e-9, f"the wings differ by {off} m, their loads by {uneven}"
+    # Works of root and load pay for all energy: a wing stores up to 1e-8 J.
+    assert min(stored) > -1e-12 and stored[-1] > 1e-9
+    assert differ < 0.01 and jumps < 0.05, f"powers differ by {differ}, the load jumps by {jumps}"
