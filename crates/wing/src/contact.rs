@@ -129,19 +129,15 @@ impl Contacts {
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
     pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
-        let closer = 2.0 * dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
-        self.look_from(faces, x, closer)?;
+        let moved = dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
+        let closer = 2.0 * moved;
+        self.dt = None;
+        self.obstacles.begin_static();
+        self.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
         let mut near = !self.obstacles.are_still();
         self.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;
         Ok(())
-    }
-
-    /// Find what the wing of this shape (m) may touch where nothing moves, or comes closer by `closer`, m.
-    fn look_from(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), WingError> {
-        self.dt = None;
-        self.obstacles.begin_static();
-        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.search(faces, x, closer)?))
     }
 
     /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
@@ -174,7 +170,9 @@ impl Contacts {
 
     /// Return the energy of the penalty in the shape `x`, J.
     pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
-        self.look_from(faces, x, 0.0)?;
+        self.dt = None;
+        self.obstacles.begin_static();
+        self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
         let mut sum = 0.0;
         self.visit(faces, x, x, 0.0, |law, met| sum += met.area * law.penalty(met.met.gaps[1]).potential);
         Ok(sum)

@@ -21,6 +21,10 @@ use crate::parameters::Parameters;
 /// Half the thickness of the membrane for itself, over the range.
 const SKIN: f64 = 0.25;
 
+/// Motion of a node beyond the first guess that the search allows for, over the distance at which layers touch: so small
+/// that it finds nothing in a flat wing, of which points closer than π/2 of that distance are left out.
+const MARGIN: f64 = 0.2;
+
 /// Distance up to which an equilibrium seeks layers, over that at which they touch.
 const STATIC_SEARCH: f64 = 3.0;
 
@@ -49,19 +53,26 @@ pub(crate) struct Itself {
     /// Distance at rest of points that touch, m: half a circle of that diameter.
     apart: f64,
     points: Vec<SurfacePoint>,
-    /// Points, and corners and middles of the triangles, at rest, m.
-    rest: Vec<Vector>,
+    /// Corners of the triangles at rest, m.
     rest_corners: Vec<[Vector; 3]>,
-    rest_middles: Vec<Vector>,
+    /// Triangles that are no farther from each point at rest than `apart`; those of point m end at `beside_ends[m]`.
+    beside: Vec<u32>,
+    beside_ends: Vec<usize>,
     /// Triangles that share a node with each one.
     neighbours: Vec<Vec<u32>>,
     /// Largest motion of a node in the stage that the search allows for, m.
     allowed: f64,
     cells: Cells<3>,
     middles: Vec<Vector>,
+    /// Triangles near that of a point.
+    candidates: Vec<u32>,
     /// Triangles near which each point may touch, one a layer; those of point m end at `ends[m]`.
     partners: Vec<u32>,
     ends: Vec<usize>,
+    /// Shape of the last search, m, by how much layers may come closer there, m, and the closest points of the partners.
+    searched: Vec<Vector>,
+    closer: f64,
+    starts: Vec<Layer>,
 }
 
 /// Return the parts of edges of at most this length (m) between points, so that no edge passes between two points of
@@ -87,20 +98,40 @@ impl Itself {
             all.retain(|&other| other as usize != t);
             all
         });
-        let skin = SKIN * law.range;
+        let (skin, apart) = (SKIN * law.range, FRAC_PI_2 * law.range);
+        let rest_middles: Vec<_> = rest_corners.iter().map(|[a, b, c]| (a + b + c) / 3.0).collect();
+        let around = rest_corners.iter().zip(&rest_middles).flat_map(|(corners, m)| corners.map(|c| (c - m).norm()));
+        let mut cells = Cells::new(rest_corners.len());
+        cells.sort(apart + around.fold(0.0, f64::max), rest_middles.iter().map(|middle| (*middle).into()));
+        let (mut beside, mut beside_ends) = (Vec::new(), Vec::new());
+        for point in &points {
+            let p = point.of(rest_corners[point.triangle]);
+            cells.visit(p.into(), |t| {
+                let [a, b, c] = rest_corners[t];
+                let [u, v, w] = nearest_of_triangle(p, rest_corners[t]);
+                if (p - a * u - b * v - c * w).norm() <= apart {
+                    beside.push(t as u32);
+                }
+            });
+            beside_ends.push(beside.len());
+        }
         Self {
             // Two layers are springs in series.
             law: Law { range: law.range - 2.0 * skin, stiffness: 0.5 * law.stiffness, depth: skin, ..*law },
             touching: law.range,
-            apart: FRAC_PI_2 * law.range,
+            apart,
             neighbours: neighbours.collect(),
-            rest: points.iter().map(|point| point.of(rest_corners[point.triangle])).collect(),
-            rest_middles: rest_corners.iter().map(|[a, b, c]| (a + b + c) / 3.0).collect(),
+            beside,
+            beside_ends,
             allowed: f64::INFINITY,
-            cells: Cells::new(rest_corners.len()),
+            cells,
+            candidates: Vec::with_capacity(rest_corners.len()),
             middles: vec![Vector::zeros(); rest_corners.len()],
             partners: Vec::with_capacity((MOST_PARTNERS + 1) * points.len()),
             ends: vec![0; points.len()],
+            searched: vec![Vector::repeat(f64::NAN); mesh.nodes.len()],
+            closer: 0.0,
+            starts: Vec::with_capacity(MOST_PARTNERS * points.len()),
             rest_corners,
             points,
         }
@@ -109,7 +140,7 @@ impl Itself {
     /// Begin a stage from `origin` to the first guess `guess`, m.
     pub(crate) fn begin(&mut self, faces: &[Face], origin: &[Vector], guess: &[Vector]) -> Result<(), ContactError> {
         let predicted = origin.iter().zip(guess).map(|(x, guess)| (guess - x).norm()).fold(0.0, f64::max);
-        self.allowed = predicted + 0.5 * self.touching;
+        self.allowed = predicted + MARGIN * self.touching;
         self.search(faces, origin, 2.0 * self.allowed)
     }
 
@@ -119,8 +150,18 @@ impl Itself {
         self.search(faces, origin, (STATIC_SEARCH - 1.0) * self.touching)
     }
 
-    /// Find the layers that each point may touch if they come closer by `closer`, m.
+    /// Begin a stage in which nodes move by this distance, m: find what [`Itself::begin`] then needs in most cases.
+    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], moved: f64) -> Result<(), ContactError> {
+        self.search(faces, x, 2.0 * (moved + MARGIN * self.touching))
+    }
+
+    /// Find the layers that each point may touch if they come closer by `closer`, m. More than these stay where the last
+    /// search was for the same shape.
     pub(crate) fn search(&mut self, faces: &[Face], x: &[Vector], closer: f64) -> Result<(), ContactError> {
+        if self.searched == x && closer <= self.closer {
+            return Ok(());
+        }
+        self.closer = f64::NEG_INFINITY; // until nothing has failed
         let Self { middles, .. } = self;
         let mut around = 0.0_f64;
         for (middle, face) in middles.iter_mut().zip(faces) {
@@ -129,13 +170,22 @@ impl Itself {
             corners.iter().for_each(|corner| around = around.max((corner - *middle).norm_squared()));
         }
         let near = self.touching + closer;
-        let size = near + around.sqrt();
+        let around = around.sqrt();
+        let size = near + 2.0 * around;
         self.cells.sort(size, self.middles.iter().map(|middle| (*middle).into()));
         // Taken out, that the rest may be read; it goes back after a failure, too.
         let (mut partners, mut ends) = (std::mem::take(&mut self.partners), std::mem::take(&mut self.ends));
+        let (mut candidates, mut of) = (std::mem::take(&mut self.candidates), usize::MAX);
         partners.clear();
         let crowded = (0..self.points.len()).find_map(|m| {
-            let found = self.find_layers(faces, x, m, [near, size], &mut partners);
+            if self.points[m].triangle != of {
+                of = self.points[m].triangle;
+                candidates.clear();
+                let middle = self.middles[of];
+                let is_near = |t: usize| (middle - self.middles[t]).norm_squared() <= size * size;
+                self.cells.visit(middle.into(), |t| candidates.extend(is_near(t).then_some(t as u32)));
+            }
+            let found = self.find_layers(faces, x, m, [near, near + around], &candidates, &mut partners);
             ends[m] = partners.len();
             (found > MOST_PARTNERS).then(|| ContactError::Crowded {
                 node: faces[self.points[m].triangle].nodes[0],
@@ -143,11 +193,23 @@ impl Itself {
                 most: MOST_PARTNERS,
             })
         });
-        (self.partners, self.ends) = (partners, ends);
-        crowded.map_or(Ok(()), Err)
+        (self.partners, self.ends, self.candidates) = (partners, ends, candidates);
+        crowded.map_or(Ok(()), Err)?;
+        let mut starts = std::mem::take(&mut self.starts);
+        starts.clear();
+        let mut begin = 0;
+        for (m, &end) in self.ends.iter().enumerate() {
+            let p = self.at(faces, x, m);
+            starts.extend(self.partners[begin..end].iter().map(|&t| self.walk(faces, x, p, m, t as usize)));
+            begin = end;
+        }
+        self.starts = starts;
+        self.searched.copy_from_slice(x);
+        self.closer = closer;
+        Ok(())
     }
 
-    /// Add the triangles of the layers that come closer to point `m` than `near`, whose middles are closer than `size`
+    /// Add those `candidates` of the layers that come closer to point `m` than `near`, whose middles are closer than `size`
     /// (m), to `partners`; return how many there were, of which at most [`MOST_PARTNERS`] are added.
     fn find_layers(
         &self,
@@ -155,14 +217,14 @@ impl Itself {
         x: &[Vector],
         m: usize,
         [near, size]: [f64; 2],
+        candidates: &[u32],
         partners: &mut Vec<u32>,
     ) -> usize {
-        let Self { cells, middles, rest, rest_middles, apart, .. } = self;
+        let Self { middles, apart, .. } = self;
         let (p, begin, mut found) = (self.at(faces, x, m), partners.len(), 0);
-        cells.visit(p.into(), |t| {
-            let beside = (rest[m] - rest_middles[t]).norm_squared() <= apart * apart;
-            if beside || (p - middles[t]).norm_squared() > size * size || !self.is_apart(m, t) {
-                return;
+        for t in candidates.iter().map(|&t| t as usize) {
+            if (p - middles[t]).norm_squared() > size * size || !self.is_apart(m, t) {
+                continue;
             }
             let layer = layer(faces, x, p, t);
             if layer.distance < near && self.is_closest(faces, x, p, m, &layer) {
@@ -171,7 +233,7 @@ impl Itself {
                     partners.push(t as u32);
                 }
             }
-        });
+        }
         // Of closest points on one bend only the closest counts: a second may come and go at any distance.
         let distance = |t: u32| layer(faces, x, p, t as usize).distance;
         partners[begin..].sort_unstable_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b)));
@@ -191,7 +253,7 @@ impl Itself {
         found
     }
 
-    /// Visit each point that may touch another layer in the shape `x`: the point, half its area, the closest points at
+    /// Visit each point that may touch another layer in the shape `x`, m: the point, half its area, the closest points at
     /// the begin and the end of a stage from `origin` (m), and how they meet.
     pub(crate) fn visit(
         &self,
@@ -200,16 +262,19 @@ impl Itself {
         origin: &[Vector],
         mut visit: impl FnMut(Spot, f64, [Spot; 2], Encounter<3>),
     ) {
-        let mut begin = 0;
+        let (mut begin, is_known) = (0, self.searched == origin);
         for (m, point) in self.points.iter().enumerate() {
-            let partners = &self.partners[begin..self.ends[m]];
+            let (partners, starts) = (&self.partners[begin..self.ends[m]], &self.starts[begin..self.ends[m]]);
             begin = self.ends[m];
             if partners.is_empty() {
                 continue;
             }
-            let (p, p_before) = (self.at(faces, x, m), self.at(faces, origin, m));
-            for &t in partners {
-                let before = self.walk(faces, origin, p_before, m, t as usize);
+            let p = self.at(faces, x, m);
+            for (&t, start) in partners.iter().zip(starts) {
+                let before = match is_known {
+                    true => *start,
+                    false => self.walk(faces, origin, self.at(faces, origin, m), m, t as usize),
+                };
                 let now = self.walk(faces, x, p, m, t as usize);
                 let both = [before, now];
                 let met = Encounter {
@@ -239,9 +304,8 @@ impl Itself {
 
     /// Return whether point `m` and triangle `t` are so far apart at rest that they may touch.
     fn is_apart(&self, m: usize, t: usize) -> bool {
-        let (p, corners) = (self.rest[m], self.rest_corners[t]);
-        let [a, b, c] = nearest_of_triangle(p, corners);
-        (p - corners[0] * a - corners[1] * b - corners[2] * c).norm() > self.apart
+        let begin = if m == 0 { 0 } else { self.beside_ends[m - 1] };
+        !self.beside[begin..self.beside_ends[m]].contains(&(t as u32))
     }
 
     /// Return the closest points to `p` on the triangles that share the edge or the node on which that of a layer lies.
