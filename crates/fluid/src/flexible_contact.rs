@@ -5,9 +5,7 @@
 //! `k Δt`, the true rate of the pair, each side would take the other one for still, and both would answer in full: the pair
 //! grows by up to 2.9 times a step. With twice the rate it is stable at every stiffness and ratio of masses.
 
-use contact::{
-    Before, Cells, Law, Obstacle, Response, SurfacePoint, nearest_image, nearest_of_triangle, points_of_surface,
-};
+use contact::{Before, Cells, Law, Obstacle, SurfacePoint, nearest_image, nearest_of_triangle, points_of_surface};
 
 use crate::bodies::{Bodies, Carried, Push, place};
 use crate::force::Exchange;
@@ -18,12 +16,8 @@ use crate::stations::{Loads, Stations};
 /// Rate at which each force falls with the velocity of its side, over that of the pair.
 const RATE: f64 = 2.0;
 
-/// Part of the depth that no force reaches beyond which a spring stops the sides in one step: the force of the law falls
-/// too quickly there for an answer in proportion.
-const DEEPEST: f64 = 0.5;
-
-/// Stiffness of that spring, over that of the law: with few points that touch their forces stop a whole wing.
-const STOP: f64 = 1e4;
+/// Part of the depth that no force reaches to which the depth counts that is expected after the step.
+const DEEPEST: f64 = 0.9;
 
 /// Most parts of a segment or an edge between points that touch.
 const MOST_PARTS: f64 = 64.0;
@@ -74,15 +68,8 @@ where
     pub fn new(parameters: &Parameters<D>) -> Option<Self> {
         let own = parameters.contact.as_ref()?;
         let skins: Vec<_> = own.skins.iter().enumerate().filter_map(|(k, skin)| Some((k, skin.as_ref()?))).collect();
-        let thinnest = |skin: &Skin| skin.radius.iter().copied().fold(f64::INFINITY, f64::min);
-        let parts = skins.iter().map(|&(k, skin)| {
-            // Crossing edges come closer to each other than to a point by up to half its distance from the next, and
-            // forces end half the sum of the radii before the middles meet.
-            let others = skins.iter().filter(|(other, _)| *other != k).map(|(_, other)| thinnest(other));
-            let spacing = thinnest(skin) + others.fold(own.law.range, f64::min);
-            Part::new(k, &parameters.flexible[k], skin, spacing)
-        });
-        let parts: Vec<_> = parts.collect();
+        let parts: Vec<_> =
+            skins.iter().map(|(k, skin)| Part::new(*k, &parameters.flexible[*k], skin, own.law.range)).collect();
         let is_surface = |k: usize| matches!(parameters.flexible[k].extent, Extent::Surface(_));
         let law = |stiffness: f64, radii: f64, range: f64| Law {
             range,
@@ -226,12 +213,8 @@ where
 /// Return force and rate on a side of a `size` (m, m²) in a step of `dt` seconds from this gap (m) that changes at this
 /// rate, m/s; none out of reach.
 fn answer(law: &Law, [gap, rate]: [f64; 2], dt: f64, size: f64) -> Option<(f64, f64)> {
-    let (expected, deepest) = (gap + dt * rate, -DEEPEST * law.depth);
-    let mut found = law.response(expected.max(deepest), Some(Before { gap: gap.max(deepest), dt }));
-    if expected < deepest {
-        let stiffness = STOP * law.stiffness;
-        found += Response { potential: 0.0, force: stiffness * (deepest - expected), stiffness };
-    }
+    let expected = (gap + dt * rate).max(-DEEPEST * law.depth);
+    let found = law.response(expected, Some(Before { gap: gap.max(-DEEPEST * law.depth), dt }));
     let is_far = found.force == 0.0 && found.stiffness == 0.0;
     (!is_far).then_some((size * found.force, RATE * size * dt * found.stiffness))
 }
@@ -285,10 +268,11 @@ fn add_side<const D: usize>(
 }
 
 impl Part {
-    /// Return the part that a flexible body is, whose points that touch are at most `spacing` (m) apart.
-    fn new<const D: usize>(number: usize, body: &Flexible<D>, skin: &Skin, spacing: f64) -> Self {
+    /// Return the part that a flexible body is, so many of whose points touch that nothing passes between two.
+    fn new<const D: usize>(number: usize, body: &Flexible<D>, skin: &Skin, range: f64) -> Self {
         let place = |k: usize| Vector::from(body.nodes[k]);
-        let radius = skin.radius.clone();
+        let (radius, spacing) =
+            (skin.radius.clone(), skin.radius.iter().copied().fold(f64::INFINITY, f64::min) + range);
         let parts = |length: f64| (length / spacing).ceil().clamp(1.0, MOST_PARTS) as usize;
         if let Extent::Surface(triangles) = &body.extent {
             let edges = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
