@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -35,14 +36,17 @@ SAMPLES = 5  # Points of a segment of a rod, and parts of an edge of a wing, at 
 def random_scene(seed: int, dimension: int, units: str) -> dict[str, Any]:
     """Return a scene of two `units`, "rods" or "wings", and two bodies in a closed channel, at random places."""
     random = np.random.default_rng([seed, dimension, units == "wings"])
-    between = lambda low, high: float(random.uniform(low, high))  # noqa: E731
     way = random.normal(size=dimension)
     gravity = (9.81 * way / np.linalg.norm(way)).tolist()
     axes = "xyz"[:dimension]
     places = random.permutation(list(itertools.product((-0.38, 0.38), repeat=dimension)))
 
+    def between(low: float, high: float) -> float:
+        return float(random.uniform(low, high))
+
     def place(k: int) -> list[float]:
-        return (places[k] + random.uniform(-0.08, 0.08, dimension)).tolist()
+        found: list[float] = (places[k] + random.uniform(-0.08, 0.08, dimension)).tolist()
+        return found
 
     def rod(k: int) -> dict[str, Any]:
         direction = random.normal(size=dimension)
@@ -129,8 +133,9 @@ class Gauge:
         if self.is_wing:
             self.half = [SKIN, SKIN]
             corners = np.array([own["wing"]["mesh"]["triangles"]["triangles"] for own in self.units])
-            shares = [(i, j, SAMPLES - i - j) for i in range(SAMPLES + 1) for j in range(SAMPLES + 1 - i)]
-            self.sample = lambda k, x: (np.array(shares) / SAMPLES @ x[corners[k]]).reshape(-1, 3)
+            steps = [(i, j, SAMPLES - i - j) for i in range(SAMPLES + 1) for j in range(SAMPLES + 1 - i)]
+            shares = np.array(steps) / SAMPLES
+            self.sample: Callable[[int, np.ndarray], np.ndarray] = lambda k, x: (shares @ x[corners[k]]).reshape(-1, 3)
         else:
             self.half = [0.5 * own["beam"]["thickness"] for own in self.units]
             share = np.arange(SAMPLES)[:, None, None] / SAMPLES

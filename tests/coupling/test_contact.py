@@ -34,7 +34,6 @@ def test_a_flag_that_is_pressed_against_the_wall_stays_outside_and_leaves(tmp_pa
     touching, on_rod_and_fluid = np.array(energy) > 0.0, np.array(powers)
     off = np.abs(np.diff(on_rod_and_fluid)).sum() / np.abs(on_rod_and_fluid).sum()
     jumps = np.abs(np.diff(load, 2))
-    print(min(low), touching.sum(), off, jumps.max())
     # Half the thickness is 0.01 m.
     assert min(low) > 0.01, f"the axis comes to {min(low)} m from the wall"
     assert touching.sum() > 400 and not touching[-30:].any(), "it does not touch, or does not leave"
@@ -64,12 +63,11 @@ def test_two_wings_that_clap_and_fling_stay_apart_and_are_mirror_images(tmp_path
             loads.append([own().copy() for own in load_of])
             powers.append([own().item() for own in power_of])
         assert not session.warnings
-    loads, powers = np.array(loads), np.array(powers)
-    largest = np.abs(loads).max()
-    uneven = np.abs(loads[:, 0] * mirror[:, 0] - loads[:, 1]).max() / largest
-    differ = np.abs(np.diff(powers)).sum() / np.abs(powers).sum()
-    jumps = np.abs(np.diff(loads[:, 0, 0], 2)).max() / largest
-    print(min(closest), closest[-1], off, uneven, min(stored), stored[-1], differ, jumps)
+    both, power = np.array(loads), np.array(powers)
+    largest = np.abs(both).max()
+    uneven = np.abs(both[:, 0] * mirror[:, 0] - both[:, 1]).max() / largest
+    differ = np.abs(np.diff(power)).sum() / np.abs(power).sum()
+    jumps = np.abs(np.diff(both[:, 0, 0], 2)).max() / largest
     assert 5e-5 < min(closest) < 1.2e-4 and closest[-1] > 2.5e-4, f"{min(closest)} m, at the end {closest[-1]} m"
     assert off < 1e-9 * 2.5e-3 and uneven < 1e-9, f"the wings differ by {off} m, their loads by {uneven}"
     # Works of root and load pay for all energy: a wing stores up to 1e-8 J.

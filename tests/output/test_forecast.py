@@ -103,6 +103,7 @@ def test_the_cells_of_a_fine_box_are_those_of_the_unit_and_are_warned_of():
     fluid = read("cylinder-stream-384x512")["fluid"] | {"box": box, "fine_box": fine, "middle_box": middle}
     fluid |= {"sponge": None, "initial_velocity": [0.0, 0.0], "mean_flow": {}}
     scene = validate(read("cylinder-stream-384x512") | {"fluid": fluid, "reference": None})
+    assert scene.fluid and scene.fluid.fine_box
     assert counts_of(scene.fluid.fine_box, scene.fluid) == [36, 32]
     scene.fluid.fine_box.x = (-4.5, 4.0)
     warned = [text for text in forecast.warnings(Facts(scene)) if "prime factor" in text]
