@@ -13,7 +13,7 @@ from PIL import Image
 
 from nervure.resources import ROOT
 
-pytestmark = pytest.mark.usefixtures("libraries")
+pytestmark = [pytest.mark.usefixtures("libraries"), pytest.mark.pictures]
 GALLERY = ROOT / "scripts" / "gallery"
 
 CASES = {

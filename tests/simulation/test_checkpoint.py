@@ -32,7 +32,7 @@ TIMES = ("wall_s", "cpu_s", "wall_s_per_simulated_s", "phases_s")
 @pytest.fixture
 def scenes(rod_only, fluid_only, small_fsi3, two_rods):
     """Small scenes by kind; each is long enough to be killed on its way."""
-    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 2.0, 6.0, 0.8
+    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 4.0, 6.0, 0.8
     iterated = json.loads(json.dumps(small_fsi3))
     iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.3
     iterated["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
@@ -66,7 +66,7 @@ def results(folder):
 
 def stop(path, folder, number, *arguments):
     """Start a run, send it signal `number` when it has written a checkpoint, return its exit code."""
-    command = [*TOOL, "run", path, "--output", folder, "--checkpoint-every", "0.1"]
+    command = [*TOOL, "run", path, "--output", folder, "--checkpoint-every", "0.001"]
     process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 300
     while not (folder / CHECKPOINT).exists() and process.poll() is None and time.monotonic() < deadline:

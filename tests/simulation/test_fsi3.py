@@ -9,6 +9,8 @@ from nervure.simulation.results import FILES
 from tests.conftest import FSI3
 from tests.simulation.record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 
+pytestmark = pytest.mark.pictures
+
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways
 such differences hardly grow."""
