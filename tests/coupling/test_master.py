@@ -2,6 +2,7 @@
 
 import copy
 import re
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -99,6 +100,17 @@ def monolithic():
 def run(scheme, stopping=lambda: False):
     recorder = Recorder({"rod": scheme.rods[0], "fluid": scheme.fluid}, GRID.steps)
     return TimeLoop(scheme, GRID, recorder).run(stopping), recorder
+
+
+@pytest.mark.parametrize("steps", [0, 1, 3])
+def test_a_loop_that_is_resumed_has_the_time_of_one_that_came_there(steps):
+    """The third step ends at 0.1 + 0.2 s, which is not 0.3 s."""
+    grid, quiet = TimeGrid(0.3, 0.1), MagicMock(guards=[])
+    stepped, resumed = (TimeLoop(quiet, grid, MagicMock()) for _ in range(2))
+    for _ in range(steps):
+        stepped.step()
+    resumed.resume_at(steps, 0.0)
+    assert resumed.time == stepped.time
 
 
 def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():

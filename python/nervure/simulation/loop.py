@@ -84,7 +84,7 @@ class TimeLoop:
     def resume_at(self, steps: int, wall: float) -> None:
         """Continue after `steps` steps, which took the wall time `wall` (s)."""
         self._started, self._begin, self.steps = True, perf_counter() - wall, steps
-        self.time = self.grid.step(steps)[0] if steps < self.grid.steps else self.grid.end
+        self.time = sum(self.grid.step(steps - 1)) if steps else 0.0
 
     def step(self) -> None:
         """Make the next step and record it."""
