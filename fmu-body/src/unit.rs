@@ -6,7 +6,7 @@ use rigid::{
     Body, BodyParameters, Drag, FluidLoad, Flyer, FlyerState, Force, Freedoms, HingeTurn, Mass, Placed, RootResponse,
     nearest,
 };
-use scene::{FlyerHinge, FreedomName, Inertia, Scene};
+use scene::{FlyerHinge, FreedomName, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::touch::Touch;
@@ -113,10 +113,7 @@ impl BodyUnit {
     /// Build the body, at its start.
     pub fn build(&mut self) -> Result<(), String> {
         let own = &self.own;
-        let [x, y, z] = match own.inertia {
-            Inertia::Same(about) => [about; 3],
-            Inertia::Each(about) => about,
-        };
+        let [x, y, z] = own.inertia.about();
         let [yz, zx, xy] = own.products_of_inertia;
         let names = [
             FreedomName::X,

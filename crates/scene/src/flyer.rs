@@ -142,12 +142,8 @@ impl Flyer {
     /// what it carries.
     pub(crate) fn inertia_along(&self, along: FreedomName) -> f64 {
         let Some(axis) = (along as usize).checked_sub(FreedomName::AngleX as usize) else { return self.mass };
-        let own = match self.inertia {
-            Inertia::Same(about) => about,
-            Inertia::Each(about) => about[axis],
-        };
         let arms = self.centre_of_mass.iter().enumerate().filter(|(d, _)| *d != axis);
-        own + self.mass * arms.map(|(_, arm)| arm * arm).sum::<f64>()
+        self.inertia.about()[axis] + self.mass * arms.map(|(_, arm)| arm * arm).sum::<f64>()
     }
 }
 

@@ -5,7 +5,6 @@ use geometry::vector::{minus, norm};
 use crate::body::BodyDrive;
 use crate::fault::{Check, Fault, Faults, list};
 use crate::flyer::{Flyer, FlyerHinge};
-use crate::mount::Inertia;
 use crate::root::RootSupport;
 use crate::scene::Scene;
 
@@ -41,10 +40,7 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
     if let Some(fluid) = &scene.fluid {
         faults.forbid(!fluid.is_space(), "flyer", || "the fluid has two dimensions: it needs `fluid.box.z`".into());
     }
-    let [x, y, z] = match flyer.inertia {
-        Inertia::Same(about) => [about; 3],
-        Inertia::Each(about) => about,
-    };
+    let [x, y, z] = flyer.inertia.about();
     let [yz, zx, xy] = flyer.products_of_inertia;
     let own_positive = [x, y, z].iter().all(|about| *about > 0.0) && (x * y * z).is_normal();
     faults.require(own_positive, "flyer.inertia", flyer.inertia, || {

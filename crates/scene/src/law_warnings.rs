@@ -12,7 +12,7 @@ use crate::flyer::HingeLaws;
 use crate::law::TimeLaw;
 use crate::mount::Freedom;
 use crate::places::rounded;
-use crate::root::RootSupport;
+use crate::root::{RootSupport, Rotation};
 use crate::scene::Scene;
 use crate::warning::Warning;
 
@@ -101,23 +101,14 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     let of_contact = of_contact.map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
     for (key, body) in of_fluid.chain(of_contact) {
         let Some(motion) = body.laws() else { continue };
-        for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
-            see(format!("{key}.motion.{name}"), law);
-        }
-        for (i, turn) in motion.rotations.iter().enumerate() {
-            see(format!("{key}.motion.rotations[{i}].angle"), &turn.angle);
-        }
+        visit_motion(&format!("{key}.motion"), motion.along(), &motion.rotations, see);
+        see(format!("{key}.motion.angle"), &motion.angle);
     }
     for own in scene.beams_with_rods() {
         let Some(rod) = own.rod else { continue };
         let key = format!("{}rod", own.key());
         if let Some(laws) = rod.laws() {
-            for (name, law) in AXES.into_iter().zip(laws.along()) {
-                see(format!("{key}.root_motion.laws.{name}"), law);
-            }
-            for (i, turn) in laws.rotations.iter().enumerate() {
-                see(format!("{key}.root_motion.laws.rotations[{i}].angle"), &turn.angle);
-            }
+            visit_motion(&format!("{key}.root_motion.laws"), laws.along(), &laws.rotations, see);
         }
         if let RootSupport::Free { force_x, force_y, force_z } = &rod.root {
             for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
@@ -127,18 +118,23 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     }
     for own in scene.wings() {
         let Some(laws) = own.wing.laws() else { continue };
-        for (name, law) in AXES.into_iter().zip(laws.along()) {
-            see(format!("{}.root_motion.{name}", own.key), law);
-        }
-        for (i, turn) in laws.rotations.iter().enumerate() {
-            see(format!("{}.root_motion.rotations[{i}].angle", own.key), &turn.angle);
-        }
+        visit_motion(&format!("{}.root_motion", own.key), laws.along(), &laws.rotations, see);
     }
     for (i, hinge) in scene.flyer.iter().flat_map(|flyer| &flyer.hinges).enumerate() {
         let Some(HingeLaws { stroke, deviation, pitch }) = hinge.laws() else { continue };
         for (name, law) in [("stroke", stroke), ("deviation", deviation), ("pitch", pitch)] {
             see(format!("flyer.hinges[{i}].motion.{name}"), law);
         }
+    }
+}
+
+/// Call `see` with the laws of a displacement and of rotations, and their keys below `key`.
+fn visit_motion(key: &str, along: [&TimeLaw; 3], rotations: &[Rotation], see: &mut dyn FnMut(String, &TimeLaw)) {
+    for (name, law) in AXES.into_iter().zip(along) {
+        see(format!("{key}.{name}"), law);
+    }
+    for (i, turn) in rotations.iter().enumerate() {
+        see(format!("{key}.rotations[{i}].angle"), &turn.angle);
     }
 }
 

@@ -58,6 +58,16 @@ pub enum Inertia {
     Each([f64; 3]),
 }
 
+impl Inertia {
+    /// Return the moments about the axes of the body, kg m².
+    pub fn about(self) -> [f64; 3] {
+        match self {
+            Self::Same(about) => [about; 3],
+            Self::Each(about) => about,
+        }
+    }
+}
+
 impl fmt::Display for Inertia {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         match self {
@@ -85,11 +95,7 @@ pub struct Freedom {
 impl Mount {
     /// Return the moments of inertia about the axes of the body, kg m²; 0 where they are absent.
     pub fn inertias(&self) -> [f64; 3] {
-        match self.inertia {
-            Some(Inertia::Each(about)) => about,
-            Some(Inertia::Same(about)) => [about; 3],
-            None => [0.0; 3],
-        }
+        self.inertia.map_or([0.0; 3], Inertia::about)
     }
 
     /// Return the supports with their keys: along the axes, then about the pivot.

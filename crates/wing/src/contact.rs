@@ -122,8 +122,7 @@ impl Contacts {
 
     /// Begin an equilibrium from the shape `origin`, m.
     pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
-        self.dt = None;
-        self.obstacles.begin_static();
+        self.stand();
         self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
     }
 
@@ -131,13 +130,18 @@ impl Contacts {
     pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
         let moved = dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         let closer = 2.0 * moved;
-        self.dt = None;
-        self.obstacles.begin_static();
+        self.stand();
         self.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
         let mut near = !self.obstacles.are_still();
         self.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;
         Ok(())
+    }
+
+    /// Let all obstacles stand still, without a stage.
+    fn stand(&mut self) {
+        self.dt = None;
+        self.obstacles.begin_static();
     }
 
     /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
@@ -170,8 +174,7 @@ impl Contacts {
 
     /// Return the energy of the penalty in the shape `x`, J.
     pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
-        self.dt = None;
-        self.obstacles.begin_static();
+        self.stand();
         self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
         let mut sum = 0.0;
         self.visit(faces, x, x, 0.0, |law, met| sum += met.area * law.penalty(met.met.gaps[1]).potential);

@@ -69,10 +69,9 @@ pub(crate) struct Itself {
     /// Triangles near which each point may touch, one a layer; those of point m end at `ends[m]`.
     partners: Vec<u32>,
     ends: Vec<usize>,
-    /// Shape of the last search, m, by how much layers may come closer there, m, and the closest points of the partners.
+    /// Shape of the last search, m, and by how much layers may come closer there, m.
     searched: Vec<Vector>,
     closer: f64,
-    starts: Vec<Layer>,
 }
 
 /// Return the parts of edges of at most this length (m) between points, so that no edge passes between two points of
@@ -131,7 +130,6 @@ impl Itself {
             ends: vec![0; points.len()],
             searched: vec![Vector::repeat(f64::NAN); mesh.nodes.len()],
             closer: 0.0,
-            starts: Vec::with_capacity(MOST_PARTNERS * points.len()),
             rest_corners,
             points,
         }
@@ -195,15 +193,6 @@ impl Itself {
         });
         (self.partners, self.ends, self.candidates) = (partners, ends, candidates);
         crowded.map_or(Ok(()), Err)?;
-        let mut starts = std::mem::take(&mut self.starts);
-        starts.clear();
-        let mut begin = 0;
-        for (m, &end) in self.ends.iter().enumerate() {
-            let p = self.at(faces, x, m);
-            starts.extend(self.partners[begin..end].iter().map(|&t| self.walk(faces, x, p, m, t as usize)));
-            begin = end;
-        }
-        self.starts = starts;
         self.searched.copy_from_slice(x);
         self.closer = closer;
         Ok(())
@@ -262,19 +251,16 @@ impl Itself {
         origin: &[Vector],
         mut visit: impl FnMut(Spot, f64, [Spot; 2], Encounter<3>),
     ) {
-        let (mut begin, is_known) = (0, self.searched == origin);
+        let mut begin = 0;
         for (m, point) in self.points.iter().enumerate() {
-            let (partners, starts) = (&self.partners[begin..self.ends[m]], &self.starts[begin..self.ends[m]]);
+            let partners = &self.partners[begin..self.ends[m]];
             begin = self.ends[m];
             if partners.is_empty() {
                 continue;
             }
-            let p = self.at(faces, x, m);
-            for (&t, start) in partners.iter().zip(starts) {
-                let before = match is_known {
-                    true => *start,
-                    false => self.walk(faces, origin, self.at(faces, origin, m), m, t as usize),
-                };
+            let (p, p_before) = (self.at(faces, x, m), self.at(faces, origin, m));
+            for &t in partners {
+                let before = self.walk(faces, origin, p_before, m, t as usize);
                 let now = self.walk(faces, x, p, m, t as usize);
                 let both = [before, now];
                 let met = Encounter {

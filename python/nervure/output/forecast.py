@@ -11,6 +11,7 @@ from pathlib import Path
 
 from nervure.errors import UnitError
 from nervure.evaluate import benchmark
+from nervure.scene import wings
 from nervure.scene.facts import Body, Facts
 from nervure.scene.solids import counts_of
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
@@ -63,7 +64,7 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
         if numbers.density_ratio is not None:
             parts.append(f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces")
         parts.append(f"added mass {numbers.added_mass_ratio:.3g} of its own")
-        yield "wing" if scene.wing or scene.wings else "beam", ", ".join(parts)
+        yield "wing" if wings(scene) else "beam", ", ".join(parts)
     for name, mount in numbers.mounts.items():
         parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():
@@ -130,7 +131,7 @@ def _warnings(facts: Facts) -> Iterator[str]:
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
     elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
-    if numbers.velocity and numbers.length and not (scene.wing or scene.wings):
+    if numbers.velocity and numbers.length and not wings(scene):
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):

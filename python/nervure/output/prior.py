@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from nervure.scene import Scene
+from nervure.scene import Scene, wings
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
 from nervure.scene.types import Body, BodyMotion, Cylinder, Motion, TimeLawConstant
@@ -50,7 +50,7 @@ def likeness(facts: Facts) -> Likeness | None:
 
 def kind(scene: Scene) -> str:
     """Return whether a scene bends, moves or is still."""
-    if scene.rod or scene.rods or scene.wing or scene.wings:
+    if scene.rod or scene.rods or wings(scene):
         return "elastic"
     bodies: list[Cylinder | Body] = [*scene.fluid.cylinders, *scene.fluid.bodies] if scene.fluid else []
     return "moving" if any(map(_moves, bodies)) else "still"

@@ -20,7 +20,7 @@ from nervure.evaluate.rods import columns_of_units
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine, versions
-from nervure.scene import Scene
+from nervure.scene import Scene, wings
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
 from nervure.simulation.recorder import Recorder
@@ -341,7 +341,7 @@ def summarize(
     window, settled = None, None
     if main and main.drive is not None:
         window = statistics.driven_window(time, main.values, main.drive)
-        if scene.beam or scene.rods or scene.wing or scene.wings:  # What bends in the flow has motions of its own
+        if scene.beam or scene.rods or wings(scene):  # What bends in the flow has motions of its own
             window = replace(window, driven=False)
     elif main:
         window = statistics.find_window(time, main.values, main.smallest)

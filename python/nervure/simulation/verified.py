@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from nervure.evaluate import benchmark
-from nervure.scene import Scene, beams
+from nervure.scene import Scene, beams, wings
 from nervure.scene.solids import box_ends, cell_lengths
 from nervure.scene.types import ShapeCircularCylinder
 
@@ -193,7 +193,7 @@ def free_axes(scene: Scene) -> list[int]:
 def _is_solid(scene: Scene) -> bool:
     """Return whether anything stands in the fluid."""
     fluid = scene.fluid
-    return bool(fluid and (fluid.cylinders or fluid.bodies or beams(scene) or scene.wing or scene.wings))
+    return bool(fluid and (fluid.cylinders or fluid.bodies or beams(scene) or wings(scene)))
 
 
 def _mean(values: Sequence[float]) -> float:
