@@ -58,11 +58,7 @@ fn a_ball_keeps_the_exact_speed_through_a_film() {
     for (loss, steps) in [0.1, 0.3, 0.6].into_iter().flat_map(|loss| [2.0, 20.0].map(|steps| (loss, steps))) {
         let viscosity = |impulse: f64| 0.5 * loss * 2.0 / impulse;
         let space = 6.0 * PI * radius * radius * (range / least).ln();
-        let plane = 3.0
-            * 2.0_f64.sqrt()
-            * PI
-            * radius.powf(1.5)
-            * (3.0 / least.sqrt() - 3.0 / range.sqrt());
+        let plane = 3.0 * 2.0_f64.sqrt() * PI * radius.powf(1.5) * (3.0 / least.sqrt() - 3.0 / range.sqrt());
         let law = |impulse: f64| {
             let film = Some(BodyFilm { viscosity: viscosity(impulse), range, least });
             BodyLaw { range: 1e-8, stiffness: 1e12, film, dt: range / steps, ..LAW }
