@@ -1,10 +1,13 @@
-"""Bodies that settle in a closed tank: their largest speed beside published values."""
+"""Bodies that settle in a tank, and spheres that bounce from its floor, beside published values."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
+from nervure.resources import ROOT
 from studies import simulate
 from studies.engine import FLUID, Case, Run, Study
 
@@ -18,6 +21,34 @@ REYNOLDS = 495
 """Largest Reynolds number of the cylinder (Uhlmann 2005; from 438 to 466 by Glowinski et al. 2001, 503 by Wang et al.
 2008), with the density of the body. That is inferred: only so does the case of a density ratio of 1.25 and ten times
 the viscosity, published at 17.3, agree (17.4 on 16 cells)."""
+
+REBOUND = str(ROOT / "examples" / "sphere-rebound.json")
+ROUGHNESS = {"": 1e-4, ", rough": 3e-3}
+"""Roughness by the radius: of the beads of Gondret et al. (2002), and as Biegert et al. (2017) calibrate it."""
+FINE = (1.07e-5, 935.0, 8.342, 0.003, 12)
+"""Viscosity, m²/s, density, kg/m³, ratio of densities, diameter, m, and cells across the sphere at St 152."""
+BOUNCES = {
+    27: {"impact": 0.518, "first": 0.329},
+    152: {"impact": 0.585, "first": 2.489, "second": 0.745, "third": 0.173},
+}
+"""By the Stokes number: speed of the fall, m/s, and heights of the gap after the bounces by the diameter (Gondret et
+al. 2002, digitized by Biegert et al. 2017)."""
+
+
+def falling(nu: float, density: float, ratio: float, diameter: float, cells: int) -> dict[str, Any]:
+    """Return the changes of the scene for a sphere that falls 22 diameters in a box 6 wide; arguments as of `FINE`."""
+    side, ends, step = 3 * diameter, [-0.5 * diameter, 23.5 * diameter], 0.2 * diameter / cells / BOUNCES[152]["impact"]
+    return {
+        "fluid.kinematic_viscosity": nu,
+        "fluid.density": density,
+        "fluid.box": {"x": [-side, side], "y": [-side, side], "z": ends, "cells": [6 * cells, 6 * cells, 24 * cells]},
+        "fluid.channel.z": [0.0, 23 * diameter],
+        "fluid.bodies.0.shape.sphere.radius": 0.5 * diameter,
+        "fluid.bodies.0.position": [0.0, 0.0, 22 * diameter],
+        "fluid.bodies.0.mount.mass": ratio * density * np.pi / 6 * diameter**3,
+        "fluid.mask.log_linear.c_eta": step / 50,
+        "time.end": 0.3,
+    } | dict.fromkeys(("time.communication_step", "fluid.time_stepping.max_step"), step)
 
 
 def cases() -> Iterator[Case]:
@@ -35,11 +66,27 @@ def cases() -> Iterator[Case]:
     for n, changes in ((16, {}), (24, finer)):
         about = {"expected": expected, "grid": f"{n} cells"}
         yield Case(f"cylinder/{n} cells", FLUID, CYLINDER, changes, about=about)
+    for stokes, (label, roughness) in [(27, own) for own in ROUGHNESS.items()] + [(152, (", rough", 3e-3))]:
+        changes, diameter = ({}, 0.006) if stokes == 27 else (falling(*FINE), FINE[3])
+        changes = changes | {"contact.film.roughness": roughness * 0.5 * diameter}
+        about = {"expected": BOUNCES[stokes], "grid": f"St {stokes}{label}"}
+        yield Case(f"rebound/St {stokes}{label}", FLUID, REBOUND, changes, about=about)
+
+
+def bounces(case: Case, run: Run) -> dict[str, float]:
+    """Return the largest speed of the fall, m/s, and the heights of the gap after the bounces by the diameter."""
+    radius = case.built()["fluid"]["bodies"][0]["shape"]["sphere"]["radius"]
+    gap, speed = 0.5 * (run.series["body_1_z"] / radius - 1), run.series["body_1_vz"]
+    tops = gap[1:][(speed[:-1] > 0) & (speed[1:] <= 0) & (gap[1:] > 0.01)]
+    return {"impact": float(-speed.min())} | dict(zip(("first", "second", "third"), map(float, tops), strict=False))
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    """Return the largest speed, m/s, of the cylinder as a Reynolds number."""
-    if case.scene == SPHERE:
+    """Return the largest speed, m/s, of the cylinder as a Reynolds number; see `bounces`."""
+    if case.scene == REBOUND:
+        values: dict[str, Any] = bounces(case, run)
+        values = {name: value for name, value in values.items() if name in case.about["expected"]}
+    elif case.scene == SPHERE:
         values = {"speed": float(-run.series["body_1_vz"].min())}
     else:
         values = {"reynolds": float(-run.series["body_1_vy"].min()) * 2.5e-3 / 1e-6 * 1.5}

@@ -36,16 +36,17 @@ pub struct Law {
     pub film: Option<Film>,
 }
 
-/// Film of a viscous fluid, with the force −c h'/hᵖ at the gap h.
+/// Film of a viscous fluid, with the force −c h' (1/hᵖ − 1/rᵖ) at a gap h below the range r: what lubrication theory has
+/// beyond the force that a grid finds, which keeps its value at the range (Nguyen & Ladd 2002).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// c, N s mᵖ⁻¹: in a fluid of viscosity η (Pa s) 6 π η R² of a ball of radius R at a wall.
     pub coefficient: f64,
     /// p.
     pub power: FilmPower,
-    /// Gap at which the film begins, m.
+    /// Gap r at which the film begins, m.
     pub range: f64,
-    /// Least gap h_min, the roughness: below it the force is −c h'/h_minᵖ, and 0 where the surfaces meet, m.
+    /// Least gap h_min, the roughness: below it the force is that at h_min, and 0 where the surfaces meet, m.
     pub least: f64,
 }
 
@@ -177,7 +178,7 @@ impl Film {
         Self { coefficient, power, range, least }
     }
 
-    /// Return F with F' = h^−p, of p = 1 F = ln max(h, h_min) + min(h, h_min)/h_min, constant beyond the range and
+    /// Return F with F' = h^−p − r^−p, of p = 1 F = ln h + 1 − h/r; linear below h_min, constant beyond the range r and
     /// where surfaces meet.
     fn impulse(&self, h: f64) -> Impulse {
         let Self { range, least, .. } = *self;
@@ -198,13 +199,18 @@ impl Film {
     }
 
     fn pure(&self, h: f64) -> Impulse {
-        match self.power {
+        let seen = match self.power {
+            FilmPower::One => 1.0 / self.range,
+            FilmPower::ThreeHalves => self.range.powf(-1.5),
+        };
+        let Impulse { value, integral, slope } = match self.power {
             FilmPower::One => Impulse { value: h.ln() + 1.0, integral: h * h.ln(), slope: 1.0 / h },
             FilmPower::ThreeHalves => {
                 let root = h.sqrt();
                 Impulse { value: -2.0 / root, integral: -4.0 * root, slope: 1.0 / (h * root) }
             }
-        }
+        };
+        Impulse { value: value - seen * h, integral: integral - 0.5 * seen * h * h, slope: slope - seen }
     }
 }
 

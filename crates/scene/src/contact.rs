@@ -29,7 +29,7 @@ pub struct Contact {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub friction: f64,
-    /// Film of the fluid between bodies, of which the grid misses the part within two cells; absent: none.
+    /// Film of the fluid between bodies: what the grid misses of it, below gaps of 1.25 cells; absent: none.
     #[serde(default)]
     pub film: Option<Film>,
     /// Solids besides those of the fluid, which does not see them: still, or moved by laws.
