@@ -308,7 +308,9 @@ fn dimensionless(
     });
     // These numbers of a beam are of a metre of depth.
     let first = first.filter(|_| !fluid.is_space()).or_else(|| {
-        let (wing, length) = (scene.wings().next()?.wing, length?);
+        let own = scene.wings().next()?;
+        let (wing, name) = (own.wing, own.force_name());
+        let length = scales.iter().find(|(other, _)| *other == name)?.1.length;
         let membrane = wing.membrane.filter(|membrane| membrane.bending_stiffness > 0.0);
         Some((length, mean_density(wing) / rho, membrane.map_or(f64::NAN, |membrane| membrane.bending_stiffness)))
     });
