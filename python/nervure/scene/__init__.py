@@ -26,8 +26,8 @@ from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene, Wing
 
 __all__ = [
-    "Document", "Own", "Scene", "assign", "beams", "column_names", "document", "files_of", "json_or_text", "load", "override", "plain",
-    "read", "text", "validate", "wings", "with_files", "write_copy",
+    "Document", "Own", "Scene", "assign", "beams", "column_names", "document", "files_of", "json_or_text", "load",
+    "override", "plain", "read", "text", "validate", "wings", "with_files", "write_copy",
 ]  # fmt: skip
 
 
