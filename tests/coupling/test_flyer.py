@@ -352,7 +352,7 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, contact, 
     assert not contact or ends[0][0][2] < 0.02, "it is above the ceiling"
 
 
-@pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_wing_1_load_x")])
+@pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_load_x")])
 def test_each_output_of_a_flyer_in_a_fluid_has_a_column(names, wanted, tmp_path):
     """A single wing has the columns of one without a body; names may be those of the fluid's own forces."""
     scene = pair()

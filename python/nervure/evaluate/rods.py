@@ -10,7 +10,7 @@ def columns_of_units(series: Series, scene: Scene) -> dict[str, tuple[str, Serie
     """Return by unit the name that the fluid has for each rod and wing, and its columns without the name of the unit,
     the fluid's as `beam_…`; of only one all columns. On a flyer the tip of one of several wings moves against the
     root."""
-    found = {}
+    found: dict[str, tuple[str, Series]] = {}
     for name, (prefix, force) in column_names(scene).items():
         columns = dict(_columns(series, prefix, force) if prefix else wing_columns(series))
         for axis in "xyz" if prefix and name in wings(scene) else "":
