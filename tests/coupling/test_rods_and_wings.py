@@ -14,6 +14,7 @@ from nervure.scene.facts import Facts
 from nervure.simulation.session import Session
 from nervure.units import package, ssp
 from nervure.units.describe import describe_all
+from nervure.units.documentation import terminals
 from tests.conftest import nervure as command
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -178,6 +179,13 @@ def test_a_system_structure_connects_rod_and_wing_to_their_parts(tmp_path):
         if one.get("kind") == "input"
     ]
     assert {*inputs} == joined, "an input is not connected"
+
+
+def test_the_terminals_of_each_wing_have_the_names_of_its_variables():
+    found = etree.fromstring(terminals(describe_all(validate(listed()))["fluid"].xml).encode())
+    members = {one.get("variableName"): one.get("memberName") for one in found.iter("TerminalMemberVariable")}
+    for name in ("wing[2].x[1]", "beam[2].x[1]", "wing[1].force_z[3]"):
+        assert members[name] == name.partition(".")[2], name
 
 
 def dropped(contact: bool) -> dict:
