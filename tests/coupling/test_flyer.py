@@ -303,6 +303,17 @@ LIGHT_SPHERE_ON_TWO_GRIDS = (LIGHT_SPHERE[0], LIGHT_SPHERE[1] | {"gravity": [1.0
 CEILING = {"shape": {"cuboid": {"lengths": [1.0, 1.0, 0.2]}}, "position": [0.0, 0.0, 0.415], "pivot": [0.0] * 3}
 
 
+@pytest.mark.parametrize(("support", "contact", "count"), [("mount", True, 1), ("mount", False, 0), ("still", True, 0)])
+def test_a_flyer_is_said_not_to_feel_the_contact_of_a_free_body(support, contact, count):
+    ball = {"shape": {"sphere": {"radius": 0.3}}, "pivot": [0.0] * 3}
+    other = ball | {"position": [0.8, 0.0, 0.0]} | ({"mount": {"mass": 0.5, "x": {}}} if support == "mount" else {})
+    scene = {"name": "met", "time": {"end": 1.0, "communication_step": 0.01}} | ({"contact": {}} if contact else {})
+    scene["fluid"] = box() | {"bodies": [ball | {"position": [0.0] * 3, "motion": "master"}, other]}
+    scene["flyer"] = {"mass": 1.0, "inertia": 0.1, "shape": 0, "hinges": []}
+    found = [text for text in Facts(nervure.Scene.model_validate(scene)).warnings if "push the flyer back" in text]
+    assert len(found) == count, found
+
+
 @pytest.mark.parametrize(
     ("body", "motion", "stream", "contact"),
     [
@@ -341,7 +352,7 @@ def test_a_body_flies_as_the_same_one_on_a_mount(body, motion, stream, contact, 
     assert not contact or ends[0][0][2] < 0.02, "it is above the ceiling"
 
 
-@pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_wing_1_load_x")])
+@pytest.mark.parametrize(("names", "wanted"), [((), "load_x"), (("wing_1", "wing_2"), "wing_1_load_x")])
 def test_each_output_of_a_flyer_in_a_fluid_has_a_column(names, wanted, tmp_path):
     """A single wing has the columns of one without a body; names may be those of the fluid's own forces."""
     scene = pair()

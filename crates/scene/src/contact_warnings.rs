@@ -73,6 +73,17 @@ pub(crate) fn of_rod(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     })
 }
 
+/// Return the warning about bodies on a mount that may touch the body of a flyer.
+pub(crate) fn of_flyer(scene: &Scene) -> Option<Warning> {
+    let ((_, fluid), shape) = (scene.contact.as_ref().zip(scene.fluid.as_ref())?, scene.flyer.as_ref()?.shape?);
+    let other = fluid.bodies.iter().position(|body| body.mount.is_some())?;
+    let text = format!(
+        "`fluid.bodies[{other}]` bounces off the flyer's `fluid.bodies[{shape}]`, but contact does not push the flyer \
+         back: no free body should reach it"
+    );
+    Some(Warning { key: format!("fluid.bodies[{other}].mount"), time: None, text })
+}
+
 /// Return the warnings about bodies on a mount that contact throws at the start, or cannot part.
 pub(crate) fn of_bodies(scene: &Scene) -> Vec<Warning> {
     if scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) {

@@ -6,10 +6,11 @@
 //! Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
 //! ```
 //!
-//! with U the velocity that drives the flow, of a body that falls that at a drag coefficient of 1, L the length of the first cylinder, body, beam or wing (`scales.rs`; in M
-//! and K always that of the beam), f the frequency of the drive, and mu and EI mass per area and bending stiffness of the
-//! first beam at its root, per metre of depth, or the mean of a wing and the stiffness of its membrane. A stream is what
-//! a flow keeps or oscillates about: a gust that ends is none.
+//! with U the velocity that drives the flow, of a body that falls that at a drag coefficient of 1, L the length of the
+//! first cylinder, body, beam or wing (`scales.rs`; in M and K always that of the beam or the wing), f the frequency of
+//! the drive, and mu and EI mass per area and bending stiffness of the first beam at its root, per metre of depth, or
+//! the mean of a wing and the stiffness of its membrane. A stream is what a flow keeps or oscillates about: a gust that
+//! ends is none.
 //!
 //! The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a
 //! body is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L at a plate.
@@ -308,7 +309,9 @@ fn dimensionless(
     });
     // These numbers of a beam are of a metre of depth.
     let first = first.filter(|_| !fluid.is_space()).or_else(|| {
-        let (wing, length) = (scene.wings().next()?.wing, length?);
+        let own = scene.wings().next()?;
+        let (wing, name) = (own.wing, own.force_name());
+        let length = scales.iter().find(|(other, _)| *other == name)?.1.length;
         let membrane = wing.membrane.filter(|membrane| membrane.bending_stiffness > 0.0);
         Some((length, mean_density(wing) / rho, membrane.map_or(f64::NAN, |membrane| membrane.bending_stiffness)))
     });

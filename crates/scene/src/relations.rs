@@ -75,11 +75,6 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
     let (several_wings, flies) = (!scene.wings.is_empty(), scene.flyer.is_some());
     for own in scene.wings() {
         let wing = own.wing;
-        for (key, present) in
-            [("beam", scene.beam.is_some()), ("rod", scene.rod.is_some()), ("rods", !scene.rods.is_empty())]
-        {
-            faults.forbid(present && !flies, key, || "a scene with a wing has no beams and no rods".into());
-        }
         let flat = scene.fluid.as_ref().is_some_and(|fluid| !fluid.is_space());
         faults.forbid(flat, &own.key, || "the fluid has two dimensions: a wing needs `fluid.box.z`".into());
         wing.check_at(&own.key, faults);
@@ -152,6 +147,13 @@ fn check_wings(scene: &Scene, faults: &mut Faults) {
         }
     }
     scene.wings.check_at("wings", faults);
+    for (i, own) in scene.rods.iter().enumerate() {
+        let others = [("wing", scene.wing.is_some()), ("body", scene.flyer.is_some())];
+        let taken = others.iter().find(|(name, present)| *present && name.eq_ignore_ascii_case(&own.name));
+        faults.require(taken.is_none(), &format!("rods[{i}].name"), quoted(&own.name), || {
+            "another unit of the scene has this name".into()
+        });
+    }
     let mut names: Vec<_> = scene.rods.iter().map(|own| &own.name).collect();
     for (i, own) in scene.wings.iter().enumerate() {
         let twice = names.iter().any(|other| other.eq_ignore_ascii_case(&own.name));
@@ -160,8 +162,17 @@ fn check_wings(scene: &Scene, faults: &mut Faults) {
         });
         names.push(&own.name);
     }
-    let alone = several && scene.fluid.is_none() && scene.flyer.is_none();
-    faults.forbid(alone, "wings", || "several wings need a fluid or a flyer that couples them".into());
+    let (key, rods) = (if several { "wings" } else { "wing" }, scene.beams().next().is_some());
+    let beside = rods && (several || scene.wing.is_some());
+    let alone = scene.fluid.is_none() && scene.flyer.is_none();
+    faults.forbid(alone && (several || beside), key, || {
+        let what = if beside { "wings beside rods" } else { "several wings" };
+        format!("{what} need a fluid or a flyer that couples them")
+    });
+    let is_rigid = scene.beam.is_some() && scene.rod.is_none();
+    faults.forbid(beside && is_rigid, "beam", || {
+        "beside a wing a beam needs a `rod`; a rigid one is a body of `fluid.bodies`".into()
+    });
 }
 
 /// Check a beam against its rod and the rest of the scene.

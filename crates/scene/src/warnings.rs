@@ -72,6 +72,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
     found.extend(scene.beams_with_rods().filter_map(|own| contact_warnings::of_rod(scene, &own)));
     found.extend(contact_warnings::of_bodies(scene));
+    found.extend(contact_warnings::of_flyer(scene));
     found.extend(scene.wings().flat_map(|own| wing_checks::warnings(own.wing, &own.key)));
     for own in &mut found {
         own.text = legible(&own.text);

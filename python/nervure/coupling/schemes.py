@@ -50,11 +50,15 @@ COARSEST_TOLERANCE = 1e-2
 """Largest residual, relative to the displacement in the step, that a user may want to accept."""
 
 
-def connections(source: Unit, target: Unit, prefix_at_source: str = "", prefix_at_target: str = "") -> list[str]:
-    """Return the names of the quantities that `source` gives to `target`, without the prefixes at both. Raise
-    `CouplingError` where an input of `target`, except a driven one, has no output of the same name, size and unit."""
+def connections(
+    source: Unit, target: Unit, prefix_at_source: str = "", prefix_at_target: str = "", others: Sequence[str] = ()
+) -> list[str]:
+    """Return the names of the quantities that `source` gives to `target`, without the prefixes at both; inputs with one
+    of the prefixes `others` are of other units. Raise `CouplingError` where an input of `target`, except a driven one,
+    has no output of the same name, size and unit."""
     driven = master_inputs(target)
-    inputs = (v.name for v in target.variables.values() if v.causality == "input" and v.name not in driven)
+    inputs = [v.name for v in target.variables.values() if v.causality == "input" and v.name not in driven]
+    inputs = [name for name in inputs if not name.startswith(tuple(others))]
     names = [name.removeprefix(prefix_at_target) for name in inputs if name.startswith(prefix_at_target)]
     for name in names:
         here, there = target.variables[prefix_at_target + name], source.variables.get(prefix_at_source + name)
@@ -186,7 +190,8 @@ class Explicit(Scheme):
         powers: list[str] = []  # Of the fluid
         for rod, beam in zip(self.rods, places, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
-            stations.append(connections(rod, self.fluid, prefix_at_target=beam))
+            others = [other for other in places if other not in ("", beam)]
+            stations.append(connections(rod, self.fluid, prefix_at_target=beam, others=others))
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
             on_rod = [name for name in on_rod if name in rod.variables] + self.watched(rod)
             rod.connect(loads[-1] + master_inputs(rod), stations[-1], on_rod)

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.rods import rod_columns, wing_columns
+from nervure.evaluate.rods import columns_of_units
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene.facts import Facts
 from nervure.scene.solids import placed, pose_names
@@ -86,10 +86,10 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
         return {}
     time = series["time"]
     motions = dict(_motions(fluid))
-    rods = {own.force: own for own in facts.beams}
+    parts = dict(columns_of_units(series, facts.scene).values())
     found = {}
     for name in numbers.bodies:
-        own = rod_columns(series, rods[name]) if name in rods else wing_columns(series) if name == "wing" else None
+        own = parts.get(name)
         force = flapping.forces(series, name)
         if force is None or len(force) < 2:
             continue

@@ -1,29 +1,24 @@
-"""Columns of one of several rods, or of a wing, under the names of a single rod."""
+"""Columns of one of several rods and wings, or of a wing, under the names of a single rod."""
 
 import numpy as np
 
 from nervure.evaluate.statistics import Series
-from nervure.scene import Own, Scene, beams
-
-
-def rod_columns(series: Series, own: Own) -> Series:
-    """Return the columns of one rod, without its name in front, and the fluid's columns of its beam as `beam_…`; of a
-    single rod all columns."""
-    return _columns(series, own.prefix, own.force) if own.prefix else series
+from nervure.scene import Scene, column_names, wings
 
 
 def columns_of_units(series: Series, scene: Scene) -> dict[str, tuple[str, Series]]:
-    """Return by unit the name that the fluid has for each wing and rod, and its columns. On a flyer a tip moves against
-    the root."""
-    found = {"wing": ("wing", wing_columns(series))} if scene.wing else {}
-    for number, name in enumerate((wing.name for wing in scene.wings), 1):
-        columns = dict(_columns(series, f"{name}_", f"wing_{number}"))
-        for axis in "xyz":
+    """Return by unit the name that the fluid has for each rod and wing, and its columns without the name of the unit,
+    the fluid's as `beam_…`; of only one all columns. On a flyer the tip of one of several wings moves against the
+    root."""
+    found: dict[str, tuple[str, Series]] = {}
+    for name, (prefix, force) in column_names(scene).items():
+        columns = dict(_columns(series, prefix, force) if prefix else wing_columns(series))
+        for axis in "xyz" if prefix and name in wings(scene) else "":
             root = series.get(f"body_{name}_root_{axis}", np.zeros(1))
             for tip in {f"tip_u{axis}", f"rigid_tip_u{axis}"} & columns.keys():
                 columns[tip] = columns[tip] - (root - root[0])
-        found[name] = f"wing_{number}", columns
-    return found | {own.unit: (own.force, rod_columns(series, own)) for own in beams(scene)}
+        found[name] = force, columns
+    return found
 
 
 def _columns(series: Series, prefix: str, force: str) -> Series:

@@ -27,7 +27,7 @@ from nervure.files import write_whole
 from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
 from nervure.output.wings import WingPicture
-from nervure.scene import beams, validate, wings
+from nervure.scene import beams, column_names, validate, wings
 from nervure.scene.facts import Facts, WingMesh
 from nervure.simulation import results
 from nervure.simulation.recorder import column
@@ -408,7 +408,7 @@ def _paths_of_tips(frames: Frames, mesh: WingMesh, chosen: list[int]) -> list[np
     rows = (series["time"] >= begin * (1 - 1e-9)) & (series["time"] <= end * (1 + 1e-9))
     paths = []
     for name, points in zip(wings(frames.scene), frames_of_tips, strict=True):
-        columns = [f"{'' if frames.scene.wing else name + '_'}tip_u{axis}" for axis in "xyz"]
+        columns = [f"{column_names(frames.scene)[name][0]}tip_u{axis}" for axis in "xyz"]
         if series.keys() >= set(columns) and rows.sum() >= len(chosen):
             moved = np.transpose([series[column][rows] for column in columns])
             points = points[0] + moved - moved[0]

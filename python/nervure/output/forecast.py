@@ -61,10 +61,14 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
         parts = [f"mass ratio {numbers.mass_ratio:.3g}"]
         if numbers.stiffness is not None:
             parts.append(f"stiffness number {numbers.stiffness:.3g}")
-        if numbers.density_ratio is not None:
-            parts.append(f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces")
+        weight = numbers.density_ratio and f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces"
+        of_rod = bool(wings(scene))  # The other numbers are then of the wing
+        if weight and not of_rod:
+            parts.append(weight)
         parts.append(f"added mass {numbers.added_mass_ratio:.3g} of its own")
-        yield "wing" if wings(scene) else "beam", ", ".join(parts)
+        yield "wing" if of_rod else "beam", ", ".join(parts)
+        if weight and of_rod:
+            yield "rod", weight
     for name, mount in numbers.mounts.items():
         parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():

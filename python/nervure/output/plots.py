@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from nervure.errors import InputError
 from nervure.evaluate import benchmark, coefficients, flapping, statistics
-from nervure.evaluate.rods import rod_columns, wing_columns
+from nervure.evaluate.rods import columns_of_units
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title, unit_in
@@ -25,7 +25,7 @@ from nervure.scene.facts import Scales
 from nervure.scene.types import Reference
 from nervure.simulation.results import Results
 from nervure.simulation.session import Session
-from nervure.simulation.summary import TIP
+from nervure.simulation.summary import TIP, prefixes_of_tips
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
 COLOURS = (BLUE, ORANGE, GREEN)
@@ -47,8 +47,7 @@ def write(folder: Path, runs: Sequence[Results], form: str = "png") -> list[Path
     with the published bands of the first run's scene; of a single run coefficients.png and flapping.png too. Several
     runs are labelled by the names of their folders, or by their paths where names are equal. Return what is written."""
     first, *others = runs
-    tips = [column for run in runs for own in run.facts.beams for column in (own.prefix + name for name in TIP)]
-    tips += [name for run in runs if run.scene.wing for name in TIP]
+    tips = [prefix + name for run in runs for prefix in prefixes_of_tips(run.scene) for name in TIP]
     named = {run.folder.resolve().name: run for run in runs}
     labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
@@ -219,10 +218,9 @@ def cylinder(folder: Path, run: Results, form: str) -> list[Path]:
 
 
 def driven_roots(folder: Path, run: Results, form: str) -> list[Path]:
-    """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
-    of = {own.unit: (own.force, rod_columns(run.series, own)) for own in run.facts.beams}
-    of |= {"wing": ("wing", wing_columns(run.series))} if run.scene.wing else {}
-    several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
+    """Write flapping.png, or of several rods and wings flapping-NAME.png, of each driven root; return the paths."""
+    of = columns_of_units(run.series, run.scene)
+    several = {name: own.flapping for name, own in {**(run.summary.rods or {}), **(run.summary.wings or {})}.items()}
     alone = dict.fromkeys(of, run.summary.flapping)
     pictures = []
     for name, found in (several or alone).items():

@@ -11,9 +11,10 @@ from nervure.coupling.guards import WARN_RATIO
 from nervure.evaluate.bodies import ReferenceScales
 from nervure.evaluate.statistics import NOISY, Character
 from nervure.output import axis_label, displayed_unit, unit_in
-from nervure.scene import Scene
+from nervure.scene import Scene, wings
 from nervure.scene.types import Display
 from nervure.simulation.summary import Published, Quantity, Summary
+from nervure.units.describe import unit_label
 
 MOST_BODIES = 8  # Bodies whose coefficients are printed
 NEAR_ZERO = 0.1  # Mean by amplitude below which the difference of a mean is given by the amplitude
@@ -118,11 +119,11 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
         drift = summary.amplitude_drift
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
-    bends = "wing" if scene.wing else "rod"
     for name, (_, work) in rods.items():
         if work and work.imbalance is not None:
+            kind = "wing" if scene.wing or name.strip() in wings(scene) else "rod"
             console.print(
-                f"interface: work on the {bends} {name}{work.work_on_rod:.4g} J, "
+                f"interface: work on the {unit_label(name.strip() or kind, kind)} {work.work_on_rod:.4g} J, "
                 f"by the fluid {work.work_by_fluid:.4g} J, {work.imbalance:+.1%} of "
                 f"{work.exchanged:.4g} J{_judge(work.imbalance)}",
                 soft_wrap=True,

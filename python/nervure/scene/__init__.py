@@ -26,8 +26,8 @@ from nervure.scene.part import refusal
 from nervure.scene.types import Beam, Rod, Scene, Wing
 
 __all__ = [
-    "Document", "Own", "Scene", "assign", "beams", "document", "files_of", "json_or_text", "load", "override", "plain",
-    "read", "text", "validate", "wings", "with_files", "write_copy",
+    "Document", "Own", "Scene", "assign", "beams", "column_names", "document", "files_of", "json_or_text", "load",
+    "override", "plain", "read", "text", "validate", "wings", "with_files", "write_copy",
 ]  # fmt: skip
 
 
@@ -215,17 +215,26 @@ class Own:
     unit: str  # Unit of the rod: `rod`, or its name
     beam: Beam
     rod: Rod | None
-    prefix: str  # Of the columns of the rod's outputs; empty for the only rod
+    prefix: str  # Of the columns of the rod's outputs; empty for a rod without another rod or a wing
     force: str  # Name of the fluid's force on the beam: `beam`, or `beam_1` and so on
 
 
 def beams(scene: Scene) -> list[Own]:
     """Return the beams of a scene in the order in which the fluid counts them."""
+    names = column_names(scene)
     if scene.beam:
-        return [Own("rod", scene.beam, scene.rod, "", "beam")]
-    return [Own(own.name, own.beam, own.rod, f"{own.name}_", f"beam_{i}") for i, own in enumerate(scene.rods, 1)]
+        return [Own("rod", scene.beam, scene.rod, *names["rod"])]
+    return [Own(own.name, own.beam, own.rod, *names[own.name]) for own in scene.rods]
 
 
 def wings(scene: Scene) -> dict[str, Wing]:
     """Return the wings of a scene by the names of their units, in the order in which the fluid counts them."""
     return {"wing": scene.wing} if scene.wing else {own.name: own.wing for own in scene.wings}
+
+
+def column_names(scene: Scene) -> dict[str, tuple[str, str]]:
+    """Return by the unit of each beam and wing the beginning of the names of its columns, empty for only one, and the
+    name of the fluid's force on it."""
+    forces = {"rod": "beam"} if scene.beam else {own.name: f"beam_{i}" for i, own in enumerate(scene.rods, 1)}
+    forces |= {"wing": "wing"} if scene.wing else {own.name: f"wing_{i}" for i, own in enumerate(scene.wings, 1)}
+    return {unit: (f"{unit}_" if len(forces) > 1 else "", force) for unit, force in forces.items()}

@@ -78,8 +78,8 @@ class Recorder:
     `steps` steps. With a stride above 1, scalars are fetched for these rows only.
 
     In the names of columns, dots and brackets become underscores. The name of the unit stands in front where two units
-    have an output of one name, and always for several rods or wings and for a flyer's body. `units` has the physical
-    unit of each column but the last.
+    have an output of one name, once, and always for several rods and wings and for a flyer's body. `units` has the
+    physical unit of each column but the last.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int, stride: int = 1):
@@ -94,7 +94,7 @@ class Recorder:
         self.units: dict[str, str | None] = {"time": "s"}
         self.values = Values()
         for (own, name), made in zip(outputs, names, strict=True):
-            made, unit = made if names.count(made) == 1 else f"{own}_{made}", units[own]
+            made, unit = made if names.count(made) == 1 or before[own] else f"{own}_{made}", units[own]
             self.units[made] = unit.variables[name].unit
             is_real = unit.variables[name].kind == "Real"
             number = unit.scalars("Real" if is_real else "Integer").index(name)

@@ -20,7 +20,7 @@ from nervure.evaluate.rods import columns_of_units
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine, versions
-from nervure.scene import Scene, wings
+from nervure.scene import Scene, column_names, wings
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
 from nervure.simulation.recorder import Recorder
@@ -114,7 +114,7 @@ class Interface:
 
 @dataclass(frozen=True)
 class OfRod:
-    """Results of one of several rods or wings."""
+    """Results of one of several rods and wings."""
 
     flapping: flapping.Flapping | None  # None where no root is driven
     interface: Interface | None  # None where a unit has no output of its power
@@ -185,8 +185,8 @@ class Summary:
     machine: Machine
     warnings: list[str] | None = None  # What may be a mistake, before the run and in it; None without
     wing: OfWing | None = None  # None without a wing, and without a window
-    wings: dict[str, OfRod] | None = None  # By name, of several wings
-    rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
+    wings: dict[str, OfRod] | None = None  # By name, as `rods`
+    rods: dict[str, OfRod] | None = None  # By name; None for one rod or wing alone, of which `flapping` has the values
     verified: dict[str, Bar] | None = None  # By quantity, e.g. `lift_mean`; None where this physics was not verified
 
     @property
@@ -208,14 +208,21 @@ def adapter() -> TypeAdapter[Summary]:
 
 def quantities(facts: Facts) -> list[str]:
     """Return the columns that are evaluated, as far as a run has them."""
-    prefixes = [own.prefix for own in facts.beams] or [""]
+    prefixes = prefixes_of_tips(facts.scene) or [""]
     mounts = facts.numbers.mounts if facts.numbers else {}
     supports = [(body, *own) for body, mount in mounts.items() for own in mount.supports.items()]
     moved = [f"{body}_{direction}" for body, direction, _ in supports]
     # Where no spring holds a body, it may fall.
     moved += [f"{body}_v{direction}" for body, direction, support in supports if not support.natural_frequency]
-    each = (f"{own.force}_{end}" for own in facts.beams if own.prefix for end in FORCES)
-    return [*(prefix + name for prefix in prefixes for name in TIP), *SECTION, *moved, *each, *FORCES]
+    each = (f"{force}_{end}" for prefix, force in column_names(facts.scene).values() if prefix for end in FORCES)
+    return [*(prefix + name for prefix in prefixes for name in (*TIP, *SECTION)), *moved, *each, *FORCES]
+
+
+def prefixes_of_tips(scene: Scene) -> list[str]:
+    """Return the beginnings of the columns of the tips that are evaluated: not of the wings that a flyer carries
+    along."""
+    carried = wings(scene) if scene.flyer else {}
+    return [prefix for unit, (prefix, _) in column_names(scene).items() if not (prefix and unit in carried)]
 
 
 def is_force(name: str) -> bool:
@@ -318,10 +325,14 @@ def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -
 
 
 def _main_signal(scene: Scene, series: Series, parts: Parts, rounding: float) -> MainSignal | None:
-    """Return the main signal of a run; of several rods or wings, the signal of the first."""
-    if scene.rods:
-        return main_signal(parts[scene.rods[0].name][1], rounding)
-    return main_signal({**series, **parts[scene.wings[0].name][1]} if scene.wings else series, rounding)
+    """Return the main signal of a run; of several rods and wings the signal of the first, or where they are of both
+    kinds that of the first with a driven root."""
+    if len(parts) < 2:
+        return main_signal(series, rounding)
+    signals = [main_signal({**series, **columns}, rounding) for _, columns in parts.values()]
+    driven = (signal for signal in signals if signal and signal.drive is not None)
+    is_mixed = bool(wings(scene) and (scene.beam or scene.rods))
+    return next(driven, signals[0]) if is_mixed else signals[0]
 
 
 def summarize(
@@ -360,7 +371,7 @@ def summarize(
         f"changed: {', '.join(changed)}" if changed else "",
         _not_final(scene, status, known, main, window, settled),
     )
-    on_fluid, alone = parts.get("wing" if scene.wing else "rod" if scene.beam else "", (None, series))
+    on_fluid, alone = next(iter(parts.values())) if len(parts) == 1 else (None, series)
     return Summary(
         scene=scene.name,
         completed=status.completed,
@@ -398,17 +409,17 @@ def summarize(
         machine=machine(),
         warnings=[*facts.warnings, *warnings, *_imbalances(parts)] or None,
         wing=of_wings([own for name, own in parts.values() if name.startswith("wing")], window) if window else None,
-        wings=_of_several(facts, parts, [own.name for own in scene.wings], window),
-        rods=_of_several(facts, parts, [own.name for own in scene.rods], window),
+        wings=_of_several(facts, parts, [name for name in parts if name in wings(scene)], window),
+        rods=_of_several(facts, parts, [name for name in parts if name not in wings(scene)], window),
     )
 
 
 def _of_several(
     facts: Facts, parts: Parts, names: Sequence[str], window: statistics.Window | None
 ) -> dict[str, OfRod] | None:
-    """Evaluate several rods or wings by name; None without them."""
+    """Evaluate those of several rods and wings that have these names; None without them."""
     found = {}
-    for name, (on_fluid, series) in ((name, parts[name]) for name in names):
+    for name, (on_fluid, series) in ((name, parts[name]) for name in names if len(parts) > 1):
         driven = flapping.evaluate(facts, facts.scales.get(on_fluid), series, window) if window else None
         found[name] = OfRod(driven, interface(series))
     return found or None

@@ -16,7 +16,7 @@ PAGE = Path(__file__).with_name("page.html").read_text(encoding="utf-8")
 
 STATIONS = ("x", "y", "z", "vx", "vy", "vz")
 LOAD = ("force_x", "force_y", "force_z", "impedance")
-BEAM = re.compile(r"(beam\[\d+\]|wing)\.")  # Prefix of the arrays of one of several rods, or of a wing
+BEAM = re.compile(r"(beam\[\d+\]|wing(\[\d+\])?)\.")  # Prefix of the arrays of one of several rods, or of a wing
 TERMINALS = dict.fromkeys(STATIONS, "stations") | dict.fromkeys(LOAD, "load")
 """Terminals of arrays in FMI 3.0, where an array is one variable and a terminal may have several."""
 DESCRIPTIONS = {"stations": "Positions and velocities of the stations", "load": "Load on the stations"}
