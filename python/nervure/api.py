@@ -164,13 +164,15 @@ def _prepare_notebook() -> None:
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
     """Draw the columns `names` of several runs over each other, labelled by their folders; a column in several units
     has axes for each."""
+    if not runs:
+        raise InputError("there is no run to draw")
     for run in runs:
         run._require(names)
     _prepare_notebook()
     from nervure.evaluate import benchmark
     from nervure.output import plots
 
-    return plots.over_time({run.folder.name: run for run in runs}, names, benchmark.reference(runs[0].scene))
+    return plots.over_time(plots.labelled(runs), names, benchmark.reference(runs[0].scene))
 
 
 class RunError(Exception):
@@ -236,6 +238,8 @@ def run(
         raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
     if output == "":
         raise InputError("the output is empty, but it must be the path of a folder")
+    if on_step is not None and not callable(on_step):
+        raise InputError(f"on_step is {on_step!r}, but must be a function of time and row")
     if fields_every is not None:
         require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
@@ -383,7 +387,9 @@ def sweep(
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers are for runs on this machine; those of a scheduler are its own")
-    several = [scenes] if isinstance(scenes, Scene | str | Path) else scenes
+    several = [scenes] if isinstance(scenes, Scene | str | Path | Mapping) else scenes
+    if not several:
+        raise InputError("there is no scene to sweep")
     bases = [one if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
     cases = sweeps.grid(bases, [_variation(keys, values) for keys, values in vary.items()])
     folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(document(bases[0]))}"
@@ -470,6 +476,8 @@ def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Var
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise InputError(f"the values of {keys} are {values!r}, but must be a list")
     rows = plain(list(values))
+    if not rows:
+        raise InputError(f"there are no values of {keys}")
     if isinstance(keys, str):
         return {keys: rows}
     for one in rows:

@@ -160,6 +160,8 @@ class Driver:
     def __init__(
         self, units: Mapping[str, Unit], drive: Drive | None, left: Callable[[Unit], list[str]] = driven_inputs
     ):
+        if drive is not None and not callable(drive):
+            raise InputError(f"the drive is {drive!r}, but must be a function of time and row")
         self.drive, self.rates = drive, dict[str, str | None]()
         self.places: dict[str, tuple[np.ndarray, int]] = {}
         self.units: dict[str, str | None] = {}  # Physical units
