@@ -119,12 +119,13 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
     bends = "wing" if scene.wing else "rod"
+    joule = next((unit for name, unit in summary.series.items() if name.endswith("load_work")), "J")
     for name, (_, work) in rods.items():
         if work and work.imbalance is not None:
             console.print(
-                f"interface: work on the {bends} {name}{work.work_on_rod:.4g} J, "
-                f"by the fluid {work.work_by_fluid:.4g} J, {work.imbalance:+.1%} of "
-                f"{work.exchanged:.4g} J{_judge(work.imbalance)}",
+                f"interface: work on the {bends} {name}{work.work_on_rod:.4g} {joule}, "
+                f"by the fluid {work.work_by_fluid:.4g} {joule}, {work.imbalance:+.1%} of "
+                f"{work.exchanged:.4g} {joule}{_judge(work.imbalance)}",
                 soft_wrap=True,
             )
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
