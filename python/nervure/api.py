@@ -224,8 +224,8 @@ def run(
     >>> run.summary.completed, len(run.series["tip_uy"])
     (True, 101)
 
-    Raise `InputError` where an argument cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where
-    it was interrupted; in the last two cases the results so far are written.
+    Raise `InputError` where an argument cannot be used, `RunError` where the run failed, `KeyboardInterrupt` where it
+    was interrupted, and what `on_step` raises; in the last three cases the results so far are written.
     """
     from nervure.output.console import announce
 
@@ -302,16 +302,20 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
 
 
 class Caller(Observer):
-    """Calls a function with every recorded row; `stopped` is what it answered."""
+    """Calls a function with every recorded row; `stopped` is what it answered, or true after the `error` it raised."""
 
     def __init__(self, call: OnStep):
         self.call, self.stopped = call, False
+        self.error: Exception | None = None
 
     def step(self, loop: TimeLoop) -> None:
         recorder = loop.recorder
         if loop.steps % recorder.stride == 0:
             values = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
-            self.stopped = bool(self.call(loop.time, values))
+            try:
+                self.stopped = bool(self.call(loop.time, values))
+            except Exception as error:
+                self.stopped, self.error = True, error
 
 
 def _run(
@@ -353,6 +357,8 @@ def _run(
         with interruptible() as stopping:
             session.run(lambda: caller.stopped or (page is not None and page.stopped) or stopping())
         done = Run(**vars(session.finish()))
+    if caller.error is not None:
+        raise caller.error
     if done.summary.error is not None:
         raise RunError(done)
     if not (done.summary.completed or caller.stopped):

@@ -212,6 +212,16 @@ def test_a_function_sees_every_row_and_may_end_the_run(falling, tmp_path):
     assert not run.summary.completed and nervure.resume(tmp_path, quiet=True).summary.completed
 
 
+def test_an_exception_in_a_function_that_sees_rows_loses_no_results(falling, tmp_path):
+    def slip(time, values):
+        return values["tip"] if time > 0.00495 else None
+
+    with pytest.raises(KeyError, match="tip"):
+        nervure.run(falling, tmp_path, quiet=True, on_step=slip)
+    assert nervure.read(tmp_path).summary.steps == 50
+    assert nervure.resume(tmp_path, quiet=True).summary.completed
+
+
 def test_every_column_is_drawn_and_every_run_compared(falling, tmp_path):
     """Also counts, which have no unit, and runs whose folders have one name."""
     made = [nervure.run(falling, tmp_path / name / "falling", quiet=True) for name in "ab"]
