@@ -164,13 +164,15 @@ def _prepare_notebook() -> None:
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
     """Draw the columns `names` of several runs over each other, labelled by their folders; a column in several units
     has axes for each."""
+    if not runs:
+        raise InputError("there is no run to draw")
     for run in runs:
         run._require(names)
     _prepare_notebook()
     from nervure.evaluate import benchmark
     from nervure.output import plots
 
-    return plots.over_time({run.folder.name: run for run in runs}, names, benchmark.reference(runs[0].scene))
+    return plots.over_time(plots.labelled(runs), names, benchmark.reference(runs[0].scene))
 
 
 class RunError(Exception):
@@ -222,8 +224,8 @@ def run(
     >>> run.summary.completed, len(run.series["tip_uy"])
     (True, 101)
 
-    Raise `InputError` where an argument cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where
-    it was interrupted; in the last two cases the results so far are written.
+    Raise `InputError` where an argument cannot be used, `RunError` where the run failed, `KeyboardInterrupt` where it
+    was interrupted, and what `on_step` raises; in the last three cases the results so far are written.
     """
     from nervure.output.console import announce
 
@@ -236,6 +238,8 @@ def run(
         raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
     if output == "":
         raise InputError("the output is empty, but it must be the path of a folder")
+    if on_step is not None and not callable(on_step):
+        raise InputError(f"on_step is {on_step!r}, but must be a function of time and row")
     if fields_every is not None:
         require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
@@ -298,16 +302,20 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
 
 
 class Caller(Observer):
-    """Calls a function with every recorded row; `stopped` is what it answered."""
+    """Calls a function with every recorded row; `stopped` is what it answered, or true after the `error` it raised."""
 
     def __init__(self, call: OnStep):
         self.call, self.stopped = call, False
+        self.error: Exception | None = None
 
     def step(self, loop: TimeLoop) -> None:
         recorder = loop.recorder
         if loop.steps % recorder.stride == 0:
             values = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
-            self.stopped = bool(self.call(loop.time, values))
+            try:
+                self.stopped = bool(self.call(loop.time, values))
+            except Exception as error:
+                self.stopped, self.error = True, error
 
 
 def _run(
@@ -349,6 +357,8 @@ def _run(
         with interruptible() as stopping:
             session.run(lambda: caller.stopped or (page is not None and page.stopped) or stopping())
         done = Run(**vars(session.finish()))
+    if caller.error is not None:
+        raise caller.error
     if done.summary.error is not None:
         raise RunError(done)
     if not (done.summary.completed or caller.stopped):
@@ -383,7 +393,9 @@ def sweep(
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers are for runs on this machine; those of a scheduler are its own")
-    several = [scenes] if isinstance(scenes, Scene | str | Path) else scenes
+    several = [scenes] if isinstance(scenes, Scene | str | Path | Mapping) else scenes
+    if not several:
+        raise InputError("there is no scene to sweep")
     bases = [one if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
     cases = sweeps.grid(bases, [_variation(keys, values) for keys, values in vary.items()])
     folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(document(bases[0]))}"
@@ -470,6 +482,8 @@ def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Var
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise InputError(f"the values of {keys} are {values!r}, but must be a list")
     rows = plain(list(values))
+    if not rows:
+        raise InputError(f"there are no values of {keys}")
     if isinstance(keys, str):
         return {keys: rows}
     for one in rows:

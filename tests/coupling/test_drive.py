@@ -147,6 +147,26 @@ def test_a_driven_run_goes_on_from_its_checkpoint_with_the_memory_of_its_drive(l
     assert (rest.recorder.table[: rest.recorder.rows] == whole.recorder.table).all()
 
 
+def test_the_memory_of_another_drive_is_refused(driver):
+    """It was lost, or the checkpoint was called damaged."""
+
+    class Own:
+        def __call__(self, _t, _values):
+            return {}
+
+        def state(self):
+            return {"sum": 1.0}
+
+        def restore(self, state):
+            self.sum = state["sum"]
+
+    own, none = driver(Own(), []), driver(lambda _t, _values: {}, [])
+    with pytest.raises(InputError, match="had a drive with a state, but this one has no `restore`"):
+        none.remember(own.memory())
+    with pytest.raises(InputError, match="cannot restore its state None: TypeError"):
+        own.remember(none.memory())
+
+
 def test_a_state_that_no_checkpoint_holds_is_refused_before_the_run(driver):
     class Odd:
         def __call__(self, _t, _values):

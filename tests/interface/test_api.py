@@ -212,6 +212,25 @@ def test_a_function_sees_every_row_and_may_end_the_run(falling, tmp_path):
     assert not run.summary.completed and nervure.resume(tmp_path, quiet=True).summary.completed
 
 
+def test_an_exception_in_a_function_that_sees_rows_loses_no_results(falling, tmp_path):
+    def slip(time, values):
+        return values["tip"] if time > 0.00495 else None
+
+    with pytest.raises(KeyError, match="tip"):
+        nervure.run(falling, tmp_path, quiet=True, on_step=slip)
+    assert nervure.read(tmp_path).summary.steps == 50
+    assert nervure.resume(tmp_path, quiet=True).summary.completed
+
+
+def test_every_column_is_drawn_and_every_run_compared(falling, tmp_path):
+    """Also counts, which have no unit, and runs whose folders have one name."""
+    made = [nervure.run(falling, tmp_path / name / "falling", quiet=True) for name in "ab"]
+    for run in (made[0], nervure.read(made[0].folder)):
+        assert run.units.keys() == run.series.keys() and run.plot("iterations").axes
+    figure = nervure.compare(*made, names=["tip_uy"])
+    assert len(figure.axes[0].lines) == 2
+
+
 @pytest.fixture(scope="module")
 def with_fields(tmp_path_factory, libraries):
     folder = tmp_path_factory.mktemp("fields")
@@ -233,6 +252,16 @@ def test_a_field_is_drawn_at_a_time(name, with_fields):
         (lambda run: nervure.sweep("csm1", {("beam.segments", "time.end"): [1]}), "must be tuples of 2"),
         (lambda run: nervure.sweep("csm1", {"beam.segmens": [1]}), "did you mean `segments`"),
         (lambda run: nervure.sweep("csm1", {}, workers=1, scheduler="x"), "workers"),
+        (lambda run: nervure.sweep([], {}), "there is no scene"),
+        (lambda run: nervure.sweep("csm1", {"beam.segments": []}), "there are no values of beam.segments"),
+        (lambda run: nervure.sweep(run.scene.document(), {}), r"is a dict, but must be .*Scene\(\*\*dictionary\)"),
+        (lambda run: nervure.load(json.dumps(run.scene.document())), "is JSON text, but must be a path"),
+        (lambda run: nervure.load("a" * 300), "File name too long"),
+        (lambda run: nervure.load("a\0b"), "null byte"),
+        (lambda run: nervure.load("csm1", "time.end=a"), "`time.end` must be a number"),
+        (lambda run: nervure.compare(), "there is no run"),
+        (lambda run: nervure.run("csm1", run.folder / "x", on_step=1), "on_step is 1, but"),  # type: ignore[arg-type]
+        (lambda run: nervure.run("csm1", run.folder / "x", drive="my.py"), "drive is 'my.py'"),  # type: ignore[arg-type]
     ],
 )  # fmt: skip
 def test_a_slip_in_python_is_answered_with_what_was_meant(ask, said, with_fields):

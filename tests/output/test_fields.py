@@ -1,6 +1,7 @@
 """Field files: what VTKHDF asks for, what the fluid and the beam show, and what is left of a run that was killed."""
 
 import json
+import re
 import signal
 import subprocess
 import time
@@ -128,7 +129,8 @@ def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_pa
     small_fsi3["time"]["end"] = 0.02
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
-    assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "0.002").returncode == 0
+    run = run_scene(path, "--output", tmp_path / "results", "--fields-every", "0.002")
+    assert run.returncode == 0 and re.search(r"work on the rod \S+ J/m, by the fluid \S+ J/m", run.stdout), run.stdout
     done = nervure("animate", tmp_path / "results", "--begin", "0.009", "--end", "0.017")
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "results" / "vorticity.gif") as film, Image.open(tmp_path / "results" / "phases.png"):
@@ -138,6 +140,14 @@ def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_pa
 
     none = nervure("animate", tmp_path / "results", "--begin", "7", "--end", "8")
     assert none.returncode == 2 and "the run has 0 to 0.02 s" in none.stderr, none.stderr
+
+
+def test_one_frame_is_no_film(rod_only, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(rod_only))
+    assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "1").returncode == 0
+    done = nervure("animate", tmp_path / "results")
+    assert done.returncode == 2 and "has one frame, but a film needs two" in done.stderr, done.stderr
 
 
 def test_a_folder_without_fields_is_said(tmp_path):

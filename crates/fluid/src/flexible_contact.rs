@@ -124,7 +124,7 @@ where
             pairs,
             bodies,
             cells: Cells::new(most),
-            periods: parameters.periods(),
+            periods: own.periods,
             loads,
             pushes,
         })

@@ -177,6 +177,7 @@ where
     let own = scene.contact.as_ref()?;
     let law = own.law_of_bodies(scene);
     let walls = fluid.walls();
+    let size: Vec<_> = fluid.r#box.ends().map(|[low, high]| high - low).collect();
     let skin = |beam: scene::BeamWithRod| {
         let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
         // The fluid beside a light line is as slow.
@@ -194,6 +195,7 @@ where
         law,
         obstacles: make(&own.obstacles),
         walls: std::array::from_fn(|axis| walls[axis]),
+        periods: std::array::from_fn(|axis| if walls[axis].is_none() { size[axis] } else { f64::INFINITY }),
         flexible_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
         skins: scene.beams_with_rods().map(skin).chain(scene.wings().map(of_wing)).collect(),
     })

@@ -221,6 +221,8 @@ where
     pub obstacles: Vec<Body<D>>,
     /// Lower and upper wall along each axis, m; absent: none.
     pub walls: [Option<[f64; 2]>; D],
+    /// Lengths after which everything repeats along each axis of the domain, m; infinite between walls.
+    pub periods: [f64; D],
     /// Stiffness of flexible bodies where they meet, of lines per metre, N/m², of surfaces per area, N/m³; it acts at most
     /// as that of their skins.
     pub flexible_stiffness: f64,
@@ -360,12 +362,6 @@ where
             loads: true,
             pressure_around: false,
         }
-    }
-
-    /// Return the lengths after which everything repeats, m; infinite between walls.
-    pub(crate) fn periods(&self) -> [f64; D] {
-        let size = self.grid().size;
-        std::array::from_fn(|axis| if self.walls[axis].is_none() { size[axis] } else { f64::INFINITY })
     }
 
     /// Refuse fewer cells than the transforms work on: blocks of lines along the axis before the last.

@@ -8,6 +8,7 @@ use geometry::{AXES, Bounds, Chain, Crossings, Shape, Surface, Touch, beyond, ne
 use serde::{Deserialize, Serialize};
 
 use crate::beam::Beam;
+use crate::body::Body;
 use crate::fluid::Fluid;
 use crate::places::{blocked, rounded, shown, walls, zones};
 use crate::read::kept;
@@ -38,6 +39,8 @@ pub(crate) struct Part {
     pub reach: f64,
     /// Whether it is on a mount, where the key `contact` acts on it.
     pub is_mounted: bool,
+    /// Whether it is a body that the master moves, which rods and wings do not touch.
+    pub is_driven: bool,
 }
 
 /// What is known of the parts from earlier times.
@@ -96,7 +99,10 @@ impl Monitor<'_> {
         for [i, j] in near_pairs(&bounds, cell / 4.0) {
             let (one, two) = (known[i], known[j]);
             let is_body = |part: &Part| part.key.starts_with("fluid.");
-            let touches = (one.0.is_mounted || two.0.is_mounted) && is_body(one.0) && is_body(two.0);
+            let touches = match (is_body(one.0), is_body(two.0)) {
+                (true, true) => one.0.is_mounted || two.0.is_mounted,
+                _ => !(one.0.is_driven || two.0.is_driven),
+            };
             if (one.0.moves || two.0.moves)
                 && !(touches && self.has_contact)
                 && let Some(place) = memory.meets(one, two, cell / 4.0, is_first)
@@ -257,15 +263,18 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     let fluid = scene.fluid.as_ref();
     let ends: Vec<_> = fluid.iter().flat_map(|fluid| fluid.r#box.ends()).collect();
     let (mut parts, mut now) = (Vec::new(), Vec::new());
-    let mounted = fluid.iter().flat_map(|fluid| fluid.obstacles()).filter(|own| own.body.mount.is_some());
-    let mounted: Vec<_> = mounted.map(|own| own.key).collect();
+    let keys = |is: fn(&Body) -> bool| -> Vec<_> {
+        let all = fluid.iter().flat_map(|fluid| fluid.obstacles());
+        all.filter(|own| is(&own.body)).map(|own| own.key).collect()
+    };
+    let (mounted, driven) = (keys(|body| body.mount.is_some()), keys(Body::is_driven));
     let mut add = |key: String, name: String, shapes: [Option<Shape>; 2], moves: bool, beam: Option<&Beam>| {
         if let [Some(rest), Some(shape)] = shapes {
-            let is_mounted = mounted.contains(&key);
+            let [is_mounted, is_driven] = [&mounted, &driven].map(|keys| keys.contains(&key));
             let deforms = key == "wing" || beam.is_some();
             let thickness = beam.map_or(f64::INFINITY, Beam::largest_thickness);
             let reach = fluid.map_or(0.0, |fluid| fluid.reach(&rest, beam));
-            parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted });
+            parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted, is_driven });
             now.push(Some(shape));
         }
     };

@@ -121,11 +121,12 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
     let part = |key: String, rest, moves: bool, rigid: &str, beam: Option<&Beam>| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
         let (thickness, reach) = (beam.map_or(f64::INFINITY, Beam::largest_thickness), fluid.reach(&rest, beam));
-        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted: false }
+        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted: false, is_driven: false }
     };
     let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
         part: Part {
             is_mounted: body.mount.is_some(),
+            is_driven: body.is_driven(),
             ..part(key, body.shape_at(0.0, ends), body.laws().is_some(), "", None)
         },
         motion: Motion::Body(Box::new(body)),

@@ -160,6 +160,8 @@ class Driver:
     def __init__(
         self, units: Mapping[str, Unit], drive: Drive | None, left: Callable[[Unit], list[str]] = driven_inputs
     ):
+        if drive is not None and not callable(drive):
+            raise InputError(f"the drive is {drive!r}, but must be a function of time and row")
         self.drive, self.rates = drive, dict[str, str | None]()
         self.places: dict[str, tuple[np.ndarray, int]] = {}
         self.units: dict[str, str | None] = {}  # Physical units
@@ -264,7 +266,13 @@ class Driver:
         return {"slopes": dict(self.slopes), "last": self.last, "state": own}
 
     def remember(self, memory: dict[str, Any]) -> None:
-        """Return to what `memory` gave."""
+        """Return to what `memory` gave. Raise `InputError` where it is of another drive."""
         self.slopes, self.last = {name: float(memory["slopes"][name]) for name in self.rates}, memory["last"]
         if isinstance(self.drive, Memory):
-            self.drive.restore(memory["state"])
+            try:
+                self.drive.restore(memory["state"])
+            except Exception as error:
+                why = f"{type(error).__name__}: {error}"
+                raise InputError(f"the drive cannot restore its state {memory['state']!r}: {why}") from error
+        elif memory["state"] is not None:
+            raise InputError("the run had a drive with a state, but this one has no `restore`: give that of the run")

@@ -216,6 +216,8 @@ def write(
     except (OSError, KeyError) as error:
         raise InputError(f"the fields in {folder} cannot be read: {error}") from error
     in_space = bool(frames.scene.fluid and frames.scene.fluid.box.z)
+    if len(frames.times) < 2:
+        raise InputError(f"the run in {folder} has one frame, but a film needs two: record them more often")
     look.check()
     if look != PLAIN and not in_space:
         raise InputError("q, camera and background are of vortices in space, but there is no fluid in space")

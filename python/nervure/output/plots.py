@@ -44,20 +44,24 @@ PNG = {"compress_level": 3}  # Files a sixth larger, and a tenth less time for t
 
 def write(folder: Path, runs: Sequence[Results], form: str = "png") -> list[Path]:
     """Write tip.png, drag.png and lift.png, or the same in another of `FORMATS`, for the outputs that the runs have,
-    with the published bands of the first run's scene; of a single run coefficients.png and flapping.png too. Several
-    runs are labelled by the names of their folders, or by their paths where names are equal. Return what is written."""
+    with the published bands of the first run's scene; of a single run coefficients.png and flapping.png too. Return
+    what is written."""
     first, *others = runs
     tips = [prefix + name for run in runs for prefix in prefixes_of_tips(run.scene) for name in TIP]
-    named = {run.folder.resolve().name: run for run in runs}
-    labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
     for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
             written.append(
-                save(over_time(labelled, columns, benchmark.reference(first.scene)), folder / f"{file}.{form}")
+                save(over_time(labelled(runs), columns, benchmark.reference(first.scene)), folder / f"{file}.{form}")
             )
     return written if others else [*written, *cylinder(folder, first, form), *driven_roots(folder, first, form)]
+
+
+def labelled(runs: Sequence[Results]) -> dict[str, Results]:
+    """Return runs by the names of their folders, or by their paths where names are equal."""
+    named = {run.folder.resolve().name: run for run in runs}
+    return named if len(named) == len(runs) else {str(run.folder): run for run in runs}
 
 
 def unit(name: str, scene: Scene) -> str:

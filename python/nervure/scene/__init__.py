@@ -48,7 +48,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     >>> scene.beam.segments, scene.time.end
     (12, 0.5)
     """
-    (path, source), assignments = _open(name), list(overrides)
+    (path, source), assignments = _open(name), [overrides] if isinstance(overrides, str) else list(overrides)
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
@@ -87,21 +87,28 @@ def _line(fault: Fault, path: Path, with_end_time: bool, files: Iterable[str] = 
 
 def _open(name: str | Path) -> tuple[Path, str]:
     """Return path and text of a scene file."""
+    is_text = isinstance(name, str) and name.lstrip().startswith("{")
+    if is_text or not isinstance(name, str | Path):
+        given, made = ("JSON text", "json.loads(text)") if is_text else (f"a {type(name).__name__}", "dictionary")
+        raise SceneError(
+            f"the scene is {given}, but must be a path, the name of a shipped scene or `nervure.Scene(**{made})`"
+        )
     path, shipped = Path(name), SCENES / f"{name}.json"
-    if not path.exists() and shipped.is_file():
+    if not os.path.exists(path) and os.path.isfile(shipped):
         path = shipped
-    if path.is_dir():
+    if os.path.isdir(path):
         inside = path / "scene.json"
         instead = f"; `{inside}` is the scene of its run" if inside.is_file() else ""
         raise SceneError(f"{path} is a folder, but a scene is a file or the name of a shipped scene{instead}")
     try:
         with path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         known = [found.stem for found in sorted(SCENES.glob("*.json"))]
         mine = [str(found) for found in sorted(path.parent.glob("*.json")) if str(found).startswith(str(path))]
         meant = f"did you mean {' or '.join(mine)}?" if mine else hint(path.stem, known, "the shipped scenes are")
-        raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {meant}") from error
+        why = error.strerror if isinstance(error, OSError) else error
+        raise SceneError(f"cannot read the scene file {path}: {why}; {meant}") from error
     if len(content) > MOST_BYTES:
         raise SceneError(f"the scene file {path} is larger than {MOST_BYTES >> 20} MB")
     try:

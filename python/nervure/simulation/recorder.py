@@ -100,7 +100,8 @@ class Recorder:
             number = unit.scalars("Real" if is_real else "Integer").index(name)
             self.values.places[made] = unit.reals if is_real else unit.integers, number
             self.values.outputs[made] = unit, name
-        self.columns = [*self.units, "iterations"]
+        self.units["iterations"] = None
+        self.columns = list(self.units)
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0
         scalars = [values for unit in units.values() for values in (unit.reals, unit.integers)]

@@ -80,7 +80,8 @@ def read(folder: Path) -> Results:
         raise InputError(f"the results in {folder} are damaged: series.csv has no rows")
     if known.window_s and (end := table[-1, columns.index("time")]) < known.window_s[0]:
         raise InputError(f"the results in {folder} are damaged: series.csv ends at t = {end:g} s, before the window")
-    return Results(Facts(scene), folder, known, dict(zip(columns, table.T, strict=True)), known.series)
+    units = {name: known.series.get(name) for name in columns}
+    return Results(Facts(scene), folder, known, dict(zip(columns, table.T, strict=True)), units)
 
 
 def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:

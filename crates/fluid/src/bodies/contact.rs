@@ -30,7 +30,7 @@ where
     /// [`BodyError::Touch`] for bodies that cannot touch.
     pub fn new(parameters: &Parameters<D>) -> Result<Option<Self>, Error> {
         let on_mount = |body: &Body<D>| matches!(body.motion, Some(Motion::Mount(_)));
-        let Some(Contact { law, obstacles, walls, .. }) = &parameters.contact else { return Ok(None) };
+        let Some(Contact { law, obstacles, walls, periods, .. }) = &parameters.contact else { return Ok(None) };
         if !parameters.bodies.iter().any(on_mount) {
             return Ok(None);
         }
@@ -61,7 +61,7 @@ where
         }
         let names = bodies.iter().chain(obstacles).map(|own| &own.name);
         let solver = BodyContacts::new(parts, law).map_err(|pair| BodyError::Touch(BodyError::names(pair, names)))?;
-        let solver = solver.with_periods(parameters.periods());
+        let solver = solver.with_periods(*periods);
         Ok(Some(Self { solver, obstacles: obstacles.clone(), rigid: bodies.len() }))
     }
 

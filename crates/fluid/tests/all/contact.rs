@@ -101,6 +101,21 @@ fn a_sphere_in_space_stays_above_the_floor_and_a_law_driven_ram() {
     assert!(least > 0.0 && fluid.pose(0).position[0] > 1.1, "a gap of {least} m at {}", fluid.pose(0).position);
 }
 
+/// The fine box repeats what is in it after its own length; contact must not.
+#[test]
+fn contact_in_a_fine_box_knows_walls_and_obstacles_where_they_are() {
+    let fine = r#""fine_box": { "x": [0.2, 1.8], "y": [0.6, 2.2] },"#;
+    let obstacle = r#"{ "shape": { "circle": { "radius": 0.2 } }, "position": [1, 0.2] }"#;
+    let contact = format!(r#""contact": {{ "obstacles": [{obstacle}] }},"#);
+    let [free, known] = ["", &contact].map(|contact| {
+        let small = body(r#""circle": { "radius": 0.1 }"#, "1, 1.4", 0.1);
+        let mut fluid = fluid_of::<2>(scene(&[small], contact, fine));
+        run(&mut fluid, 5, |_| ());
+        fluid.pose(0).position
+    });
+    assert!(free == known && free[1] < 1.4, "{free} without contact, {known} with one that is far");
+}
+
 #[test]
 fn a_step_that_would_press_bodies_into_each_other_is_refused_by_name() {
     let bodies = [body(CIRCLE, "1, 1", 1.0), body(CIRCLE, "1.1, 1.3", 1.0)];
@@ -145,6 +160,7 @@ fn two_lines(heights: [f64; 2], contact: Option<f64>, ratio: f64, communication_
         law: BodyLaw { range: 0.2, stiffness, damping: 0.0, friction: 0.0, film: None, dt: STEP },
         obstacles: vec![],
         walls: [None; 2],
+        periods: [2.0, 3.0],
         flexible_stiffness: stiffness,
         skins: [MASS, ratio * MASS].map(|mass| Some(skin(mass))).into(),
     });
@@ -233,6 +249,7 @@ fn two_rods_that_cross_carry_a_load_by_halves() {
         law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },
         obstacles: vec![],
         walls: [None; 3],
+        periods: [1.6; 3],
         flexible_stiffness: f64::INFINITY,
         skins: vec![skin(), skin()],
     });
@@ -285,6 +302,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
             law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },
             obstacles: vec![],
             walls: [None; 3],
+            periods: [1.6, 1.6, 3.2],
             flexible_stiffness: f64::INFINITY,
             skins,
         });
