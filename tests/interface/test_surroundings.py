@@ -6,7 +6,10 @@ import os
 import re
 import subprocess
 import sys
+import threading
+import time
 from contextlib import redirect_stdout
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +18,12 @@ import pytest
 import nervure
 from nervure import terminal
 from nervure.files import LOCK
+from nervure.library import library
 from nervure.output import console
 from nervure.resources import ROOT
 from nervure.scene import validate
+from nervure.simulation.session import Session
+from nervure.units import package
 from tests.conftest import FLUID_ONLY, TOOL
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -122,13 +128,33 @@ def test_two_runs_into_one_folder_at_once_are_one_and_a_refusal(rod_only, tmp_pa
     assert len(seen) == 6 and (folder / "summary.json").is_file() and not (folder / LOCK).exists()
 
 
+def test_units_are_packed_into_a_relative_folder_while_fmpy_loads_them_from_another(rod_only, tmp_path, monkeypatch):
+    move, pack, moved = os.chdir, package.pack, threading.Event()
+
+    def move_slowly(folder):
+        move(folder)
+        moved.set()
+        time.sleep(0.5)
+
+    def pack_then(*arguments):
+        assert moved.wait(30)
+        return pack(*arguments)
+
+    monkeypatch.setenv("NERVURE_LIBRARIES", os.path.relpath(library("rod").parent, tmp_path))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "chdir", move_slowly)
+    monkeypatch.setattr(package, "pack", pack_then)
+    Session.packed(validate(rod_only), Path("results")).close()
+    assert len(list((tmp_path / "results").glob("*.fmu"))) == 1
+
+
 def test_a_time_outside_of_a_run_is_refused(tmp_path):
     pytest.importorskip("h5py")
     scene = validate(FLUID_ONLY).copy(time__end=2e-3)
     run = nervure.run(scene, tmp_path / "run", fields_every=1e-3, quiet=True)
-    for time in (-1.0, 3e-3, float("nan")):
+    for moment in (-1.0, 3e-3, float("nan")):
         with pytest.raises(nervure.InputError, match="goes from 0 to 0.002 s, but the time is"):
-            run.plot_field("vorticity", time)
+            run.plot_field("vorticity", moment)
     run.plot_field("vorticity", 2e-3)
 
 

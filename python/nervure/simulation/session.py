@@ -12,6 +12,7 @@ from nervure.coupling import Drive, Driver, Scheme, couple
 from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.files import unwritable
+from nervure.library import library
 from nervure.scene import Scene, wings
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths
@@ -130,10 +131,13 @@ class Session(TimeLoop):
         models = {name: unit.model for name, unit in units.items()}
         models |= {name: read_description(path).modelName for name, path in foreign.items() if name in units}
         stale = results.check_output_folder(folder, scene, models, force)
-        ours, session = units.keys() - foreign.keys(), None
+        # fmpy changes the working directory while it loads a library.
+        place, session = folder.absolute(), None
+        ours = {name: unit for name, unit in units.items() if name not in foreign}
+        built = {name: {package.PLATFORM[fmi]: library(unit.kind).absolute()} for name, unit in ours.items()}
         try:
             with ThreadPoolExecutor() as packers:  # To compress a library leaves Python to the session
-                packing = {name: packers.submit(package.pack, units[name], folder) for name in ours}
+                packing = {name: packers.submit(package.pack, ours[name], place, built[name]) for name in ours}
                 theirs = foreign.keys()
                 session = cls(
                     scene, folder, foreign, foreign=theirs, described=units, series_every=series_every, drive=drive
