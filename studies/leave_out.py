@@ -1,6 +1,8 @@
 """Costs of parts that a shipped scene lacks: each is added so that it has no effect on the result."""
 
 from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 from studies import simulate
@@ -11,7 +13,7 @@ SCENES = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72", "flag-line-480x240", "sp
 """A rod, a fluid, both, a line, and a fluid in space."""
 
 STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
-REPEATS = 3
+TIMED = 200  # Steps of each scene in turns
 WEAK = 1e9  # Relaxation time of a sponge without an effect, s
 COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 
@@ -56,14 +58,24 @@ def cases() -> Iterator[Case]:
             variants[part] = changes
         for variant, changes in variants.items():
             sources = COUPLED if fluid and rod else FLUID if fluid else ROD
-            options, about = {"repeats": REPEATS}, {"scene": name}
-            yield Case(f"{name}/{variant}", sources, name, short | changes, options, about=about)
+            base = variants.get("without shear" if variant == SPACE else "as shipped", {})
+            about = {"scene": name, "base": base}
+            yield Case(f"{name}/{variant}", sources, name, short | changes, about=about, action=measured)
+
+
+def measured(case: Case, folder: Path) -> dict[str, Any]:
+    """Run a scene, and then step it in turns with the one that lacks the part."""
+    found = simulate.run(case.built(), folder)
+    long = {key: value for key, value in case.changes.items() if key != "time.end"}
+    scenes = [simulate.changed(case.scene, changes) for changes in (long, case.about["base"])]
+    step, bare = simulate.in_turns(scenes, folder, TIMED, lambda _: perf_counter())
+    return found | {"step_ms": step, "ratio": step / bare}
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
     xml, variables = simulate.sizes(case.built())
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
-    times = simulate.times(run.found) | {"steps": run.found["steps"], "memory": run.found["memory"]}
+    times = {name: run.found[name] for name in ("step_ms", "ratio", "memory")}
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
 
 
@@ -72,15 +84,14 @@ def added(data: Data) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for record in data.of("leave-out/*"):
         scene, part = record.name.split("/")[1:]
-        step = 1e3 * record["cpu_s"] / record["steps"]
-        found = {"variables": record["variables"], "memory": record.get("memory"), "step": step}
+        found = {"variables": record["variables"], "memory": record.get("memory"), "step": record["step_ms"]}
         if part in ("as shipped", "without shear"):
             base = found
             rows.append(found | {"scene": scene, "part": part})
             continue
         known = [name for name in found if found[name] is not None and base[name] is not None]
         more = {f"more {name}": found[name] - base[name] for name in known}
-        rows.append(more | {"scene": scene, "part": part, "ratio": found["step"] / base["step"]})
+        rows.append(more | {"scene": scene, "part": part, "ratio": record["ratio"]})
     return rows
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -30,6 +31,9 @@ LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").re
 
 REPEATED_BELOW = 20.0
 """Processor time up to which a case is repeated, s. The first run is then not timed."""
+
+WARM = 5
+"""Steps in turns before those that count."""
 
 
 @lru_cache
@@ -213,6 +217,24 @@ def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -
     first["phases_s"] = {phase: min(other["phases_s"][phase] for other in runs) for phase in first["phases_s"]}
     found: dict[str, Any] = json_numbers(first | {"runs": len(runs)})
     return found
+
+
+def in_turns(
+    scenes: Sequence[dict[str, Any]], folder: Path, steps: int, clock: Callable[[Session], float]
+) -> list[float]:
+    """Return the time of a step of each scene by `clock`, ms. They step in turns, so that all find the machine and its
+    caches alike; the times are first deciles, as other programs lengthen the rest."""
+    spent: list[list[float]] = [[] for _ in scenes]
+    with ExitStack() as stack:
+        runs = [stack.enter_context(session(scene, folder / str(number))) for number, scene in enumerate(scenes)]
+        for run in runs:
+            run.start()
+        for _ in range(WARM + steps):
+            for run, times in zip(runs, spent, strict=True):
+                begin = clock(run)
+                run.step()
+                times.append(clock(run) - begin)
+    return [1e3 * float(np.quantile(times[WARM:], 0.1)) for times in spent]
 
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import ExitStack
 from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -155,26 +154,14 @@ COSTS = {
     "line in the plane": SCENE, "rod in space": "rod-hanging-160x160x48", "wing": "wing-hover-64x64x84"
 }  # fmt: skip
 THIN = ("beam", "rod", "wing")  # Parts of a scene that the fluid meets as markers
-TIMED, WARM = 200, 5  # Steps of a run, and steps before those that count
+TIMED = 195  # Steps
 
 
 def cost(case: Case, folder: Path) -> dict[str, Any]:
-    """Time steps of the fluid with the thin body and without, in turns, so that both find the caches as the other units
-    left them. The times are first deciles: other programs lengthen the rest."""
+    """Time steps of the fluid with the thin body and without."""
     less = case.changes | {part: "absent" for part in THIN if part in simulate.changed(case.scene, {})}
-    with ExitStack() as stack:
-        runs = [
-            stack.enter_context(simulate.session(simulate.changed(case.scene, changes), folder / name))
-            for name, changes in (("with", case.changes), ("without", less))
-        ]
-        for run in runs:
-            run.start()
-        spent = []
-        for _ in range(TIMED):
-            for run in runs:
-                run.step()
-            spent.append([run.units["fluid"].seconds for run in runs])
-    loaded, bare = (1e3 * np.quantile(np.diff(spent, axis=0)[WARM:], 0.1, axis=0)).tolist()
+    scenes = [simulate.changed(case.scene, changes) for changes in (case.changes, less)]
+    loaded, bare = simulate.in_turns(scenes, folder, TIMED, lambda run: run.units["fluid"].seconds)
     return {"times": {"with_ms": loaded, "without_ms": bare, "ratio": loaded / bare}}
 
 
