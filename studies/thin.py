@@ -168,7 +168,7 @@ def cost(case: Case, folder: Path) -> dict[str, Any]:
 def costs() -> Iterator[Case]:
     for name, scene in COSTS.items():
         step = simulate.changed(scene, {})["time"]["communication_step"]
-        changes = {"time.end": TIMED * step, "fluid.threads": 1}
+        changes = {"time.end": (simulate.WARM + TIMED) * step, "fluid.threads": 1}
         yield Case(f"cost/{name}", COUPLED, scene, changes, action=cost, about={"scene": scene})
 
 
