@@ -54,6 +54,8 @@ def cuboid(*lengths, position=(0.0, 0.0, 0.0)):
     return {"shape": {"cuboid": {"lengths": lengths}}, "position": position}
 
 
+FALLS = {"mount": {"mass": 1.0, "gravity": [0.0, 0.0, -9.81], "z": {}}}
+AT_REST = {"initial_velocity": [0, 0, 0], "mean_flow": None, "sponge": None}
 ALONG_Z = {"initial_velocity": [0, 0, 1], "mean_flow": {"z": {"constant": 1.0}}, "sponge": None}
 
 
@@ -65,6 +67,7 @@ ALONG_Z = {"initial_velocity": [0, 0, 1], "mean_flow": {"z": {"constant": 1.0}},
         (scene(bodies=[cuboid(0.5, 1.0, 0.5, position=[0, 0.5, 0])]), 1, 0.5),
         (scene(bodies=[cuboid(2.0, 0.5, 0.5)]), 2, 0.0),
         (scene(bodies=[cuboid(0.5, 0.5, 1.0)], **ALONG_Z), 1, 0.0),
+        (scene(bodies=[cuboid(0.5, 0.5, 0.5) | FALLS], **AT_REST), 1, 0.0),
         (scene(wing=FIN), 1, 0.0),
     ],
 )

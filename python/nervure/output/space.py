@@ -97,7 +97,8 @@ def there_and_back(line: np.ndarray) -> np.ndarray:
 
 def choose(scene: Scene, across: str | None, at: float | None) -> tuple[Plane, int]:
     """Return the plane of grid points nearest to `at` (m) across the axis `across`, and its number. By default it lies
-    in the stream, across the axis along which a body or the wing is longest, in the middle of the first of them."""
+    in the stream or the fall, across the axis along which a body or the wing is longest, in the middle of the first of
+    them."""
     fluid = scene.fluid
     assert fluid and fluid.box.z, "the box has three dimensions"
     if across not in (None, "x", "y", "z"):
@@ -143,9 +144,13 @@ def _at_rest(scene: Scene, fluid: Fluid) -> Iterator[np.ndarray]:
 
 
 def _stream(fluid: Fluid) -> int | None:
-    """Return the axis along which a stream flows."""
+    """Return the axis along which a stream flows, in still fluid the one along which a body falls."""
     laws = [getattr(fluid.mean_flow, axis, None) or STILL for axis in "xyz"]
     if driven := [axis for axis, law in enumerate(laws) if law != STILL]:
         return driven[0]
     speeds = np.abs(fluid.initial_velocity)
-    return 0 if fluid.inflow or fluid.sponge else int(np.argmax(speeds)) if speeds.any() else None
+    if fluid.inflow or fluid.sponge:
+        return 0
+    falling = [np.abs(body.mount.gravity) for body in fluid.bodies if body.mount and any(body.mount.gravity)]
+    along = speeds if speeds.any() else falling[0] if falling else None
+    return None if along is None else int(np.argmax(along))
