@@ -57,15 +57,16 @@ build: ## build the libraries of the units
 	cargo build --release --locked
 
 test: ## run everything that has to pass: the checks of style beside the build and the tests in Rust, then pytest
-	$(MAKE) lint bindings-check rust-lint & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
+	$(MAKE) lint rust-lint & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
 	$(MAKE) python-test
 
 # In the release profile, and the tool apart: so the tests share what the build made, with its features.
 TOOL := nervure-cargo-fmu
+LAB := nervure-lab
 RUST_TEST := cargo test --release --locked
 
-rust-test: ## run the tests in Rust
-	$(RUST_TEST) --workspace --exclude $(TOOL)
+rust-test: ## run the tests in Rust, but those of the lab
+	$(RUST_TEST) --workspace --exclude $(TOOL) --exclude $(LAB)
 	$(RUST_TEST) -p $(TOOL)
 
 # Not in the release profile: so it need not wait for the build.
@@ -147,7 +148,8 @@ clean: ## remove everything that was built; results stay
 	rm -rf $(VENV)
 
 PIP = -m pip --quiet --disable-pip-version-check
-PIP_INSTALL = $(PIP) install
+# Python compiles what it imports, a small part of what is installed.
+PIP_INSTALL = $(PIP) install --no-compile
 LOCKED = $(PIP_INSTALL) --require-hashes -r
 
 $(READY): requirements/run.lock pyproject.toml | $(TYPES)
@@ -223,7 +225,8 @@ lab: ## build the lab, a page that simulates in the browser, as the file PAGE=ta
 	[ -d "$$(rustc --print target-libdir --target $(BROWSERS))" ] || rustup target add $(BROWSERS)
 	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
 
-lab-test: lab $(AXE) $(READY_DEV) ## test the lab in Chromium
+lab-test: lab $(AXE) $(READY_DEV) ## test the lab, as a program and in Chromium
+	$(RUST_TEST) -p $(LAB)
 	$(RUN) -m pytest tests/lab/test_lab.py
 
 # Without npm the tests of accessibility are left out.

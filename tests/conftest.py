@@ -195,6 +195,12 @@ TOOL = [sys.executable, "-m", "nervure"]
 """The command in a process of its own."""
 
 
+def stopped(number: int, steps: int, *arguments) -> subprocess.CompletedProcess:
+    """Run the command in a process of its own that gets a signal after so many steps: see `stopped.py`."""
+    command = [sys.executable, ROOT / "tests" / "stopped.py", str(int(number)), str(steps), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+
+
 def goes_back_and_on(unit: Unit, other: Unit, run: Callable[[Unit, int], np.ndarray], steps: int) -> np.ndarray:
     """Check that a started unit repeats `steps` steps from its saved state bit by bit, and that `other` makes them from
     the serialized state; `run` makes that many steps after the first ones and returns what they give, as this does."""

@@ -34,6 +34,7 @@ def follow(page, folder, end=None):
     blocks = [block for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) if block != INSTALL]
     for command in "".join(blocks).replace("\\\n", " ").splitlines():
         short = re.sub("--end-time [0-9.]+", f"--end-time {end}", command) if end else command
+        short = re.sub("--fields-every 0.02", "--fields-every 0.1", short)  # fewer pictures of a film
         if end and re.match(r"nervure run \S+/", command):  # A scene that the page does not hold
             short += f" --end-time {end}"
         program, *arguments = shlex.split(short)

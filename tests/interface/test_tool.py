@@ -5,6 +5,7 @@ import json
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import zipfile
@@ -21,7 +22,7 @@ from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.simulation import results
 from nervure.units import delivery
-from tests.conftest import FSI3, TOOL, nervure, run_scene
+from tests.conftest import FSI3, nervure, run_scene, stopped
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -111,21 +112,16 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(fluid_only))
     first = tmp_path / "first"
-    command = [*TOOL, "run", path, "--output", first, "--set", "time.end=30.0"]
-    process = subprocess.Popen(
-        [*command, "--checkpoint-every", "0.001", "--fields-every", "10.0"], stdout=subprocess.DEVNULL
-    )
-    while not (first / "checkpoint.npz").exists() and process.poll() is None:
-        pass
-    process.kill()
-    process.wait()
+    options = ["--set", "time.end=0.1", "--checkpoint-every", "0", "--fields-every", "0.05"]
+    killed = stopped(signal.SIGKILL, 60, "run", path, "--output", first, *options)
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
     path.unlink()
     shown = nervure("inspect", first)
     assert "checkpoint after" in shown.stdout, shown.stderr
     moved = first.rename(tmp_path / "moved")
     done = nervure("resume", moved)
     assert done.returncode == 0, done.stderr
-    assert json.loads((moved / "summary.json").read_text())["simulated_s"] == pytest.approx(30.0)
+    assert json.loads((moved / "summary.json").read_text())["simulated_s"] == pytest.approx(0.1)
     assert (moved / "fields.vtkhdf").exists() and not (moved / "checkpoint.npz").exists()
 
 

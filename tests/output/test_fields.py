@@ -3,8 +3,6 @@
 import json
 import re
 import signal
-import subprocess
-import time
 from typing import Any
 
 import h5py
@@ -17,7 +15,7 @@ from nervure.output import fields
 from nervure.scene import validate
 from nervure.simulation.results import BEAM_FIELDS, FIELDS, FLUID_FIELDS
 from nervure.simulation.session import Session
-from tests.conftest import TOOL, nervure, run_scene
+from tests.conftest import nervure, run_scene, stopped
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -88,18 +86,14 @@ def test_a_scene_without_anything_to_show_is_refused(fluid_only, tmp_path):
 
 
 def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):
-    small_fsi3["time"]["end"] = 0.6
+    small_fsi3["time"]["end"] = 0.04
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     options = ["--fields-every", "0.004"]
     assert run_scene(path, "--output", whole, *options).returncode == 0
-    command = [*TOOL, "run", path, "--output", parts, "--checkpoint-every", "0.001"]
-    process = subprocess.Popen([*command, *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while not (parts / "checkpoint.npz").exists() and process.poll() is None:
-        time.sleep(0.02)
-    process.send_signal(signal.SIGKILL)
-    assert process.wait(timeout=300) == -signal.SIGKILL
+    killed = stopped(signal.SIGKILL, 50, "run", path, "--output", parts, "--checkpoint-every", "0", *options)
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
 
     def frames(folder, name):
         with h5py.File(folder / name) as file:

@@ -6,8 +6,6 @@ import math
 import operator
 import resource
 import signal
-import subprocess
-import time
 import zipfile
 from typing import Any
 
@@ -20,7 +18,7 @@ from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.results import CHECKPOINT
 from nervure.simulation.session import Session
-from tests.conftest import TOOL, nervure, run_scene
+from tests.conftest import nervure, run_scene, stopped
 from tests.fluid.test_space import SPHERE
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -31,17 +29,17 @@ TIMES = ("wall_s", "cpu_s", "wall_s_per_simulated_s", "phases_s")
 
 @pytest.fixture
 def scenes(rod_only, fluid_only, small_fsi3, two_rods):
-    """Small scenes by kind; each is long enough to be killed on its way."""
-    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 4.0, 6.0, 0.8
+    """Small scenes by kind, of some forty steps."""
+    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 0.004, 0.04, 0.016
     iterated = json.loads(json.dumps(small_fsi3))
-    iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.3
+    iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.016
     iterated["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
     aitken = json.loads(json.dumps(iterated))
     aitken["coupling"]["scheme"]["iterated"]["acceleration"] = "aitken"
-    two_rods["coupling"], two_rods["time"]["end"] = {"load": "pressure_jump"}, 0.6
+    two_rods["coupling"], two_rods["time"]["end"] = {"load": "pressure_jump"}, 0.08
     scenes = {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iqn_ils": iterated, "aitken": aitken}
     in_space = json.loads(json.dumps(SPHERE))
-    in_space["time"]["end"] = 8.0
+    in_space["time"]["end"] = 0.8
     return scenes | {"several": two_rods, "space": in_space}
 
 
@@ -64,17 +62,6 @@ def results(folder):
     return tables, {key: part for key, part in summary.items() if key not in TIMES}
 
 
-def stop(path, folder, number, *arguments):
-    """Start a run, send it signal `number` when it has written a checkpoint, return its exit code."""
-    command = [*TOOL, "run", path, "--output", folder, "--checkpoint-every", "0.001"]
-    process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 300
-    while not (folder / CHECKPOINT).exists() and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.02)
-    process.send_signal(number)
-    return process.wait(timeout=300)
-
-
 @pytest.fixture
 def saved(fluid_only, tmp_path):
     """Checkpoint of a session in this process, saved after three steps."""
@@ -95,7 +82,8 @@ def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     path.write_text(json.dumps(scenes[kind]))
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert run_scene(path, "--output", whole).returncode == 0
-    assert stop(path, parts, signal.SIGKILL) == -signal.SIGKILL
+    killed = stopped(signal.SIGKILL, 23, "run", path, "--output", parts, "--checkpoint-every", "0")
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
     assert not (parts / "summary.json").exists()
     done = nervure("resume", parts)
     assert done.returncode == 0, done.stderr
@@ -104,13 +92,12 @@ def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
 
 
 def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace_it(fluid_only, tmp_path):
-    fluid_only["time"]["end"] = 100.0
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(fluid_only))
-    assert stop(path, folder, signal.SIGINT) == 130
-    stopped_at = json.loads((folder / "summary.json").read_text())["steps"]
+    assert stopped(signal.SIGINT, 9, "run", path, "--output", folder, "--checkpoint-every", "0").returncode == 130
+    assert json.loads((folder / "summary.json").read_text())["steps"] == 9
     with np.load(folder / CHECKPOINT) as archive:
-        assert json.loads(archive["about"].tobytes())["done"] == stopped_at
+        assert json.loads(archive["about"].tobytes())["done"] == 9
 
     before = {file.name: file.read_bytes() for file in folder.iterdir()}
     done = run_scene(path, "--output", folder, "--set", "fluid.density=2.0")
@@ -121,18 +108,12 @@ def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace
 
 def test_ctrl_c_keeps_a_checkpoint_that_nobody_asked_for(scenes, tmp_path):
     path = tmp_path / "scene.json"
-    scenes["explicit"]["time"]["end"] = 2.0
     path.write_text(json.dumps(scenes["explicit"]))
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert run_scene(path, "--output", whole).returncode == 0
-    command = [*TOOL, "run", path, "--output", parts, "--fields-every", "0.1"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    while not (parts / "fields.vtkhdf").exists() and process.poll() is None:
-        time.sleep(0.02)
-    time.sleep(0.3)  # for some steps
-    process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=300)
-    assert process.returncode == 130 and f"`nervure resume {parts}` continues it" in said, said
+    done = stopped(signal.SIGINT, 23, "run", path, "--output", parts, "--fields-every", "0.004")
+    said = done.stdout
+    assert done.returncode == 130 and f"`nervure resume {parts}` continues it" in said, said
     assert "the run ended at t = " in said.replace("not compared with published values: ", ""), said
     assert nervure("resume", parts).returncode == 0
     assert results(parts)[0] == results(whole)[0]
