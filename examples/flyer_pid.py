@@ -20,7 +20,6 @@ from collections.abc import Mapping
 FREQUENCY = 200.0  # Hz
 AMPLITUDE, LEAST, LARGEST = 1.3, 0.9, 1.5  # Of the stroke before it is controlled, and its limits, rad
 PITCH, LEAD, SHARPNESS = 0.7, 0.3, 2.5  # Turn of the chord from upright, rad; how early, rad; how sudden
-WANTED = 0.0  # Height, m
 KP, KI, KD = 1400.0, 6e4, 19.0  # rad per m, per m s, and per m/s
 LAG = 1e-3  # Averaging time of the velocities, which each half stroke shakes, s
 RAMP = 2.5e-3  # Time in which the wings turn upright and the stroke begins, s
@@ -41,9 +40,11 @@ def within(value: float, limit: float) -> float:
 
 class Pid:
     """Returns the angles of both hinges. A checkpoint holds the averages of velocities and angular velocities, and the
-    sums of the errors of the height and the angle about x."""
+    sums of the errors of the height and the angle about x. The wanted height rises by `climb`, m/s; the wings beat
+    with a `frequency`, Hz."""
 
-    def __init__(self) -> None:
+    def __init__(self, climb: float = 0.0, frequency: float = FREQUENCY) -> None:
+        self.climb, self.frequency = climb, frequency
         self.velocities = [0.0] * 6
         self.sum, self.mean = 0.0, 0.0
 
@@ -53,8 +54,8 @@ class Pid:
         self.velocities = [own + step / LAG * (now - own) for own, now in zip(self.velocities, present, strict=True)]
         aside, drift, climb, *turns = self.velocities
 
-        error = WANTED - values["body_z"]
-        wanted = AMPLITUDE + KP * error + KI * self.sum - KD * climb
+        error = self.climb * time - values["body_z"]
+        wanted = AMPLITUDE + KP * error + KI * self.sum - KD * (climb - self.climb)
         amplitude = min(max(wanted, LEAST), LARGEST)
         if amplitude == wanted:  # The sum stands still at the limits
             self.sum += step * error
@@ -72,7 +73,7 @@ class Pid:
         if mean == wanted:
             self.mean += step * SUM_POLE * gains[0] * POLES[0] ** 2 * off[0]
 
-        phase, begun = math.tau * FREQUENCY * time, min(time / RAMP, 1.0)
+        phase, begun = math.tau * self.frequency * time, min(time / RAMP, 1.0)
         begun = begun**2 * (3 - 2 * begun)
         turned = PITCH * math.tanh(SHARPNESS * math.cos(phase + LEAD)) / math.tanh(SHARPNESS)
         return {

@@ -26,7 +26,3 @@ fn of_rod<const D: usize>(
     let radius: Vec<_> = beam.places().step_by(2).map(|s| 0.5 * beam.thickness.at(s)).collect();
     Some(Contact { law: contact.law(scene, &own), radius, with_itself: true, obstacles: obstacles() })
 }
-
-#[cfg(test)]
-#[path = "contact/tests.rs"]
-mod tests;
