@@ -186,3 +186,24 @@ def test_rescued_steps_are_counted_and_logged(rod_only, packed, tmp_path):
     fmu.freeInstance()
     assert rescues > 0 and iterations > 15
     assert [message for message in fmu.messages if "needed shift and line search" in message]
+
+
+def test_a_solid_moved_by_a_law_pushes_the_rod_and_stays_outside(rod_only, rod):
+    """A cylinder moves up by half a metre a second through the tip; without the key there is no contact and no variable
+    of it."""
+    rod_only["beam"] |= {"root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}}, "length": 1.0}
+    section = {"line_density": 1.0, "bending_stiffness": 0.1, "axial_stiffness": 1e3}
+    rod_only["rod"], rod_only["time"]["communication_step"] = {"material": {"section": section}}, H
+    up = {"table": {"times": [0.0, 0.2], "values": [0.0, 0.1], "end_slopes": [0.5, 0.5]}}
+    pushing = {"shape": {"circle": {"radius": 0.1}}, "position": [0.9, -0.14], "motion": {"y": up}}
+    ends, names = [], []
+    for contact in ({"contact": {"obstacles": [pushing]}}, {}):
+        unit = rod(copy.deepcopy(rod_only) | contact, outputs=["x", "y"])
+        run(unit, 200)
+        unit.get()
+        ends.append([output(unit, "x").copy(), output(unit, "y").copy()])
+        names.append(set(unit.variables))
+    x, y = ends[0]
+    assert np.hypot(x - 0.9, y + 0.04).min() > 0.1 and y[-1] > 0.05
+    assert (ends[1][1] == 0.0).all()
+    assert names[0] - names[1] == {"energy.contact"}

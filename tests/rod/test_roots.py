@@ -53,12 +53,11 @@ def in_a_stream(root, density_ratio, thickness=0.1, **changed):
     }
 
 
-@pytest.mark.parametrize(
-    ("density_ratio", "thickness"),
-    [(1.0, 0.1), (1.1, 0.1), (0.5, 0.1), (0.5, TAPERED)],  # the lightest rod is the hardest one to taper
-    ids=["1.0", "1.1", "0.5", "0.5-tapered"],
-)
-@pytest.mark.parametrize("root", ROOTS)
+# The lightest rod is the hardest one to taper.
+LIGHT = [(root, ratio, thickness) for root in ROOTS for ratio, thickness in ((1.0, 0.1), (0.5, TAPERED))]
+
+
+@pytest.mark.parametrize(("root", "density_ratio", "thickness"), [*LIGHT, ("clamped", 1.1, 0.1), ("free", 0.5, 0.1)])
 def test_light_rod_runs_to_its_end_with_every_root(root, density_ratio, thickness, tmp_path):
     """At the density of the fluid and above under the momentum load, at half of it by iteration; a free rod as heavy as
     the fluid is iterated too."""

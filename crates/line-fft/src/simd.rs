@@ -7,12 +7,13 @@
 use std::borrow::Cow;
 use std::fmt::Debug;
 use std::ops::{AddAssign, Index, IndexMut};
+use std::sync::Arc;
 
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
 use pulp::{Scalar256b, Simd, f32x8 as Eight, f64x4 as Four};
-use rustfft::FftNum;
 use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftNum, FftPlanner};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -70,6 +71,8 @@ pub trait Real: sealed::Sealed + FftNum + Default + PartialOrd + AddAssign + Ser
     fn zeros() -> Self::Square;
     /// Run a kernel on the processor at hand.
     fn run(kernel: impl Kernel<Real = Self>);
+    /// Plan the transform of a line of any length; of this crate alone, for all its sizes take long to compile.
+    fn any_length(n: usize) -> Arc<dyn Fft<Self>>;
 
     /// Round a complex number.
     fn complex(value: Complex<f64>) -> Complex<Self> {
@@ -237,6 +240,10 @@ macro_rules! memory {
         type Lanes = [Self; $lanes];
         type Vector = $vector;
         type Square = [$vector; $lanes];
+
+        fn any_length(n: usize) -> Arc<dyn Fft<Self>> {
+            FftPlanner::new().plan_fft_forward(n)
+        }
 
         #[inline(always)]
         fn load(lanes: &Self::Lanes) -> $vector {

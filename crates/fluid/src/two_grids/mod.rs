@@ -695,56 +695,6 @@ fn smooth_step(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Body, Law, MiddleBox, Motion};
-    use crate::shapes::Polyline;
-    use crate::state::{ByPrecision, CoarseState};
-
-    #[test]
-    fn the_coarse_flow_gains_the_momentum_of_all_that_it_receives() {
-        coarse_flow_gains_what_it_receives(false);
-        coarse_flow_gains_what_it_receives(true);
-    }
-
-    /// The flow of the domain, below one or two boxes.
-    fn coarse_flow_gains_what_it_receives(has_middle: bool) {
-        let h = 0.02;
-        let mut parameters = Parameters::new([[-3.0, 3.0]; 2], [36; 2], 1.0, 0.02, h);
-        let fall = Law::new(|t| (-0.5 * t * t, -t));
-        let motion = Motion::laws([fall, Law::constant(0.0)], 1.0, Law::constant(0.0));
-        let plate = Body::still("the plate", Polyline(vec![[0.0, -0.5], [0.2, 0.5]]), [0.5, 0.0]);
-        parameters.bodies = vec![Body { motion: Some(motion), ..plate }];
-        let follows = Some(Followed::Rigid(0));
-        parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
-        if has_middle {
-            parameters.fine_box = Some(FineBox { first: [14, 12], cells: [12; 2], ratio: 4, follows });
-            parameters.middle_box = Some(MiddleBox { first: [6, 4], cells: [28; 2], ratio: 2 });
-        }
-        let mut fluid = crate::Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
-        let mut checked = 0;
-        for step in 0..60 {
-            fluid.advance(h * f64::from(step), h).unwrap_or_else(|e| panic!("{e}"));
-            let ByPrecision::Double(fields) = fluid.solver.fields() else { panic!("another precision") };
-            let Memory::TwoGrids(memory) = fields.memory else { panic!("another scheme") };
-            let mut coarse = memory.coarse;
-            while let Memory::TwoGrids(memory) = coarse.memory {
-                coarse = memory.coarse;
-            }
-            let CoarseState { flow, memory: Memory::Sbdf2(memory), link } = coarse else { panic!("another scheme") };
-            let TwoStep { before, earlier, step_before, .. } = memory;
-            if link.length != link.step || step_before != link.step {
-                continue;
-            }
-            checked += 1;
-            for axis in 0..2 {
-                let [now, before, earlier] = [&flow, &before, &earlier].map(|of| of.velocity[axis].iter().sum::<f64>());
-                let gained = (1.5 * now - 2.0 * before + 0.5 * earlier) / link.length;
-                let received = link.force.chunks_exact(link.force.len() / 2).map(|of| of.iter().sum::<f64>());
-                let received = received.collect::<Vec<_>>()[axis];
-                assert!((gained - received).abs() < 1e-11 * (1.0 + received.abs()), "{gained} of {received} m/s²");
-            }
-        }
-        assert!(checked > 20 && fluid.solver.way()[0] < -0.3, "{checked} steps, {:?} m", fluid.solver.way());
-    }
 
     #[test]
     fn scenes_know_the_width_of_the_rim() {

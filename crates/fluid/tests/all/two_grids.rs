@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::{
     Body, Error, Extent, FineBox, Flexible, Fluid, Followed, Gust, Law, MiddleBox, Motion, Mount, Outline, Parameters,
-    Precision, Solid, Solvable, Support, Triangulation, Zone,
+    Polyline, Precision, Solid, Solvable, Support, Triangulation, Zone,
 };
+use serde_json::Value;
 
 fn new<const D: usize>(parameters: &Parameters<D>) -> Fluid<D>
 where
@@ -943,5 +944,52 @@ fn steps_are_short_enough_for_a_jet_outside_the_fine_box() {
         advance(&mut fluid, 1, h);
         let (found, allowed) = (fluid.cfl(), 0.25 * parameters.max_cfl..=parameters.max_cfl);
         assert!(allowed.contains(&found), "a CFL number of {found} at {} s, allowed {allowed:?}", fluid.time());
+    }
+}
+
+/// The flow of the domain, below one or two boxes, as a saved state has it.
+#[test]
+fn the_coarse_flow_gains_the_momentum_of_all_that_it_receives() {
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let numbers = |values: &Value| values.as_array().expect("a list").iter().map(number).collect::<Vec<_>>();
+    for has_middle in [false, true] {
+        let h = 0.02;
+        let mut parameters = Parameters::new([[-3.0, 3.0]; 2], [36; 2], 1.0, 0.02, h);
+        let fall = Law::new(|t| (-0.5 * t * t, -t));
+        let motion = Motion::laws([fall, Law::constant(0.0)], 1.0, Law::constant(0.0));
+        let plate = Body::still("the plate", Polyline(vec![[0.0, -0.5], [0.2, 0.5]]), [0.5, 0.0]);
+        parameters.bodies = vec![Body { motion: Some(motion), ..plate }];
+        let follows = Some(Followed::Rigid(0));
+        parameters.fine_box = Some(FineBox { first: [9, 8], cells: [20; 2], ratio: 2, follows });
+        if has_middle {
+            parameters.fine_box = Some(FineBox { first: [14, 12], cells: [12; 2], ratio: 4, follows });
+            parameters.middle_box = Some(MiddleBox { first: [6, 4], cells: [28; 2], ratio: 2 });
+        }
+        let mut fluid = new(&parameters);
+        let (start, mut checked) = (fluid.grid_of_bodies().coordinate(0, 0), 0);
+        for _ in 0..60 {
+            advance(&mut fluid, 1, h);
+            let state = serde_json::to_value(fluid.state()).expect("JSON");
+            let mut coarse = &state["fields"]["Double"];
+            while let Some(within) = coarse["memory"].get("TwoGrids") {
+                coarse = &within["coarse"];
+            }
+            let (memory, link) = (&coarse["memory"]["Sbdf2"], &coarse["link"]);
+            let length = number(&link["length"]);
+            if length != number(&link["step"]) || length != number(&memory["step_before"]) {
+                continue;
+            }
+            checked += 1;
+            for axis in 0..2 {
+                let [now, before, earlier] = [&coarse["flow"], &memory["before"], &memory["earlier"]]
+                    .map(|flow| numbers(&flow["velocity"][axis]).iter().sum::<f64>());
+                let gained = (1.5 * now - 2.0 * before + 0.5 * earlier) / length;
+                let force = numbers(&link["force"]);
+                let received: f64 = force[axis * force.len() / 2..][..force.len() / 2].iter().sum();
+                assert!((gained - received).abs() < 1e-11 * (1.0 + received.abs()), "{gained} of {received} m/s²");
+            }
+        }
+        let way = fluid.grid_of_bodies().coordinate(0, 0) - start;
+        assert!(checked > 20 && way < -0.3, "{checked} steps, {way} m");
     }
 }

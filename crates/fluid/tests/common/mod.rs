@@ -1,7 +1,7 @@
 //! Helpers of the tests of the fluid.
 
+use line_fft::Real;
 use nervure_fluid::{Fluid, Parameters};
-use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use scene::Scene;
 
@@ -43,13 +43,12 @@ pub fn run(fluid: &mut Fluid, steps: usize, h: f64) {
 /// Spectrum of a field `[nx, ny]`, unnormalised, by whole complex transforms: mode (i, j) at `i ny + j`.
 #[allow(dead_code, reason = "not every test needs it")]
 pub fn spectrum(field: &[f64], [nx, ny]: [usize; 2]) -> Vec<Complex64> {
-    let mut planner = FftPlanner::new();
     let transposed = |from: &[Complex64], rows: usize, columns: usize| -> Vec<Complex64> {
         (0..rows * columns).map(|c| from[c % rows * columns + c / rows]).collect()
     };
     let mut modes: Vec<_> = field.iter().map(|value| Complex64::from(*value)).collect();
-    planner.plan_fft_forward(ny).process(&mut modes);
+    f64::any_length(ny).process(&mut modes);
     let mut modes = transposed(&modes, nx, ny);
-    planner.plan_fft_forward(nx).process(&mut modes);
+    f64::any_length(nx).process(&mut modes);
     transposed(&modes, ny, nx)
 }
