@@ -95,7 +95,8 @@ impl Elastic {
         let mut compliance = None;
         if !hinges.is_empty() {
             let places = compliances.iter().map(|&(i, j, _)| (j as u32, i as u32)).collect();
-            let mut matrix = Symmetric::new(hinges.len(), places)?;
+            let ends: Vec<_> = hinges.iter().map(|hinge| hinge.nodes.map(|k| mesh.node(k))).collect();
+            let mut matrix = Symmetric::new(places, &ends)?;
             for &(i, j, value) in &compliances {
                 let place = matrix.place(i, j);
                 matrix.values[place] += value;

@@ -173,15 +173,13 @@ impl Face {
         let rows = self.gradients.map(|g| [f[0] * g.x, f[1] * g.y, f[0] * g.y + f[1] * g.x]);
         let (k, nu) = (self.area * self.stiffness * viscous, self.poisson_ratio);
         let shear = 0.5 * (1.0 - nu);
+        let by_law = rows.map(|[a, b, c]| [(a + b * nu) * k, (b + a * nu) * k, c * (shear * k)]);
         let mut blocks = [Matrix3::zeros(); 6];
         for (block, (j, l)) in blocks.iter_mut().zip(PAIRS) {
-            let (a, b) = (&rows[j], &rows[l]);
+            let (a, b) = (&rows[j], &by_law[l]);
             let (g, h) = (&self.gradients[j], &self.gradients[l]);
             let tension = g.x * (s_11 * h.x + s_12 * h.y) + g.y * (s_12 * h.x + s_22 * h.y);
-            *block = (a[0] * (b[0] + b[1] * nu).transpose()
-                + a[1] * (b[1] + b[0] * nu).transpose()
-                + a[2] * (b[2] * shear).transpose())
-                * k;
+            *block = a[0] * b[0].transpose() + a[1] * b[1].transpose() + a[2] * b[2].transpose();
             for i in 0..3 {
                 block[(i, i)] += self.area * tension;
             }

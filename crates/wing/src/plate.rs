@@ -79,14 +79,20 @@ impl Hinge {
 /// contributes its symmetric part.
 pub(crate) fn add_hessian(blocks: &mut [Matrix3<f64>; 6], shape: &FaceShape, moments: [f64; 3]) {
     let n = shape.normal;
+    // Row of the corners j and k: the part along n of ∂²θ.
+    let mut rows = [[Vector::zeros(); 3]; 3];
     for (i, moment) in moments.into_iter().enumerate().filter(|(_, moment)| *moment != 0.0) {
         let EdgeFrame { along, across, by_along, by_across } = shape.edge(i);
-        for (block, (j, k)) in blocks.iter_mut().zip(crate::face::PAIRS) {
-            let both = by_across[j] * by_across[k] + 0.5 * by_along[j] * by_along[k];
-            let row = (across * both + along * (by_across[k] * by_along[j])) * moment;
-            let column = (across * both + along * (by_across[j] * by_along[k])) * moment;
-            *block -= n * row.transpose() + column * n.transpose();
+        let (along, across) = (along * moment, across * moment);
+        for (j, row) in rows.iter_mut().enumerate() {
+            for (k, row) in row.iter_mut().enumerate() {
+                let both = by_across[j] * by_across[k] + 0.5 * by_along[j] * by_along[k];
+                *row += across * both + along * (by_across[k] * by_along[j]);
+            }
         }
+    }
+    for (block, (j, k)) in blocks.iter_mut().zip(crate::face::PAIRS) {
+        *block -= n * rows[j][k].transpose() + rows[k][j] * n.transpose();
     }
 }
 
