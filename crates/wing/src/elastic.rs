@@ -208,7 +208,7 @@ impl Elastic {
                 nodes: [a, b],
                 what: "the triangles beside this edge turn by more than 160°; stiffer bending helps",
             };
-            self.turns.push(hinge.turn(x, &self.shapes, &self.support, &self.twists).ok_or(folded)?);
+            self.turns.push(hinge.turn(&self.shapes, &self.support, &self.twists).ok_or(folded)?);
         }
         self.found_at.0.extend_from_slice(x);
         self.found_at.1 = self.support;

@@ -388,6 +388,7 @@ fn add_to_diagonal(block: &mut Matrix3<f64>, value: f64) {
     (0..3).for_each(|i| block[(i, i)] += value);
 }
 
+#[inline(always)]
 fn scatter(values: &mut [f64], places: &[u32; 9], block: &Matrix3<f64>) {
     for (i, &place) in places.iter().enumerate() {
         if place != NOWHERE {
