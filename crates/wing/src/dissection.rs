@@ -123,3 +123,36 @@ impl Graph<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_unknown_comes_once_and_the_last_ones_part_a_grid() {
+        let (side, mut pattern) = (15, Vec::new());
+        let number = |x: usize, y: usize| (y * side + x) as u32;
+        for (x, y) in (0..side * side).map(|k| (k % side, k / side)) {
+            pattern.extend((x + 1 < side).then(|| (number(x, y), number(x + 1, y))));
+            pattern.extend((y + 1 < side).then(|| (number(x, y), number(x, y + 1))));
+        }
+        let place = |k: usize| [Vector::new((k % side) as f64, (k / side) as f64, 0.0); 2];
+        let order = dissect(&pattern, &(0..side * side).map(place).collect::<Vec<_>>());
+        let mut all = order.clone();
+        all.sort_unstable();
+        assert!(all.into_iter().eq(0..side * side));
+        // From the first unknown nothing reaches the one before the separator without it.
+        let (parts, separator) = order.split_at(side * side - side);
+        let mut reached = vec![parts[0]];
+        let mut k = 0;
+        while k < reached.len() {
+            let own = reached[k] as u32;
+            let pairs = pattern.iter().flat_map(|&(i, j)| [(i, j), (j, i)]);
+            let next = pairs.filter(|(i, _)| *i == own).map(|(_, j)| j as usize);
+            let new: Vec<_> = next.filter(|j| !separator.contains(j) && !reached.contains(j)).collect();
+            reached.extend(new);
+            k += 1;
+        }
+        assert!(!reached.contains(&parts[parts.len() - 1]), "{} of {}", reached.len(), parts.len());
+    }
+}

@@ -319,7 +319,7 @@ fn subtract(a: &mut [f64], b: &[f64], count: usize) {
     let (b, _) = b[..4 * chunks].as_chunks::<4>();
     for (k, (a, b)) in a.iter_mut().zip(b).enumerate() {
         let mask = &MASKS[(count - 4 * k).min(4)];
-        // Copies, that a compiler sees no other memory.
+        // Of copies a compiler knows that they do not overlap.
         let (own, other) = (*a, *b);
         *a = from_fn(|l| own[l] - f64::from_bits(other[l].to_bits() & mask[l]));
     }
