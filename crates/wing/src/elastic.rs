@@ -95,7 +95,8 @@ impl Elastic {
         let mut compliance = None;
         if !hinges.is_empty() {
             let places = compliances.iter().map(|&(i, j, _)| (j as u32, i as u32)).collect();
-            let mut matrix = Symmetric::new(hinges.len(), places)?;
+            let ends: Vec<_> = hinges.iter().map(|hinge| hinge.nodes.map(|k| mesh.node(k))).collect();
+            let mut matrix = Symmetric::new(places, &ends)?;
             for &(i, j, value) in &compliances {
                 let place = matrix.place(i, j);
                 matrix.values[place] += value;
@@ -207,7 +208,7 @@ impl Elastic {
                 nodes: [a, b],
                 what: "the triangles beside this edge turn by more than 160°; stiffer bending helps",
             };
-            self.turns.push(hinge.turn(x, &self.shapes, &self.support, &self.twists).ok_or(folded)?);
+            self.turns.push(hinge.turn(&self.shapes, &self.support, &self.twists).ok_or(folded)?);
         }
         self.found_at.0.extend_from_slice(x);
         self.found_at.1 = self.support;

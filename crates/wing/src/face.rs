@@ -32,8 +32,9 @@ pub(crate) struct Face {
 #[derive(Clone, Copy)]
 pub(crate) struct FaceShape {
     pub(crate) normal: Vector,
-    /// ∇λ_j in the plane of the triangle, 1/m.
-    pub(crate) gradients: [Vector; 3],
+    /// Edge opposite to each corner, from the next corner to the one after it, m, and one over its length, 1/m.
+    pub(crate) edges: [Vector; 3],
+    pub(crate) over: [f64; 3],
     /// p_i · ∇λ_j, 1/m, with p_i across edge i: the turn of each edge by each corner that moves along the normal.
     pub(crate) by_across: Matrix3<f64>,
 }
@@ -46,6 +47,9 @@ pub(crate) struct EdgeFrame {
     pub(crate) by_across: [f64; 3],
 }
 
+/// Signs of t_i · ∇λ_j.
+const ALONG: [[f64; 3]; 3] = [[0.0, -1.0, 1.0], [1.0, 0.0, -1.0], [-1.0, 1.0, 0.0]];
+
 impl FaceShape {
     /// Return the shape of a triangle; `None` if it has no area.
     #[inline(always)]
@@ -55,28 +59,30 @@ impl FaceShape {
         if !area.is_normal() {
             return None;
         }
-        let normal = twice / area;
-        let over = 1.0 / area;
+        let over_area = 1.0 / area;
         let edges = [c - b, a - c, b - a];
         let [e_0, e_1, e_2] = edges;
         let (e_01, e_12, e_20) = (e_0.dot(&e_1), e_1.dot(&e_2), e_2.dot(&e_0));
-        let [l_0, l_1, l_2] = edges.map(|edge| edge.norm());
-        let [r_0, r_1, r_2] = [over / l_0, over / l_1, over / l_2];
+        let squares = edges.map(|edge| edge.norm_squared());
+        let over = squares.map(|square| 1.0 / square.sqrt());
+        let [r_0, r_1, r_2] = over.map(|over| over * over_area);
+        let [s_0, s_1, s_2] = squares;
         #[rustfmt::skip]
         let by_across = Matrix3::new(
-            over * l_0, e_01 * r_0, e_20 * r_0,
-            e_01 * r_1, over * l_1, e_12 * r_1,
-            e_20 * r_2, e_12 * r_2, over * l_2,
+            s_0 * r_0, e_01 * r_0, e_20 * r_0,
+            e_01 * r_1, s_1 * r_1, e_12 * r_1,
+            e_20 * r_2, e_12 * r_2, s_2 * r_2,
         );
-        Some(Self { normal, gradients: edges.map(|edge| normal.cross(&edge) * over), by_across })
+        Some(Self { normal: twice * over_area, edges, over, by_across })
     }
 
     /// Return the frame of the edge opposite to corner `i`.
     pub(crate) fn edge(&self, i: usize) -> EdgeFrame {
-        let across = self.gradients[i].normalize();
-        let along = across.cross(&self.normal);
-        let [by_along, by_across] = [along, across].map(|axis| self.gradients.map(|gradient| axis.dot(&gradient)));
-        EdgeFrame { along, across, by_along, by_across }
+        let over = self.over[i];
+        let along = self.edges[i] * over;
+        let by_along = ALONG[i].map(|sign| sign * over);
+        let by_across = std::array::from_fn(|j| self.by_across[(i, j)]);
+        EdgeFrame { along, across: self.normal.cross(&along), by_along, by_across }
     }
 }
 
@@ -105,12 +111,14 @@ impl Face {
     }
 
     /// Return C : E for a strain (E_11, E_22, 2 E_12).
+    #[inline(always)]
     fn law(&self, [e_11, e_22, e_12]: [f64; 3]) -> [f64; 3] {
         let (k, nu) = (self.stiffness, self.poisson_ratio);
         [k * (e_11 + nu * e_22), k * (e_22 + nu * e_11), k * 0.5 * (1.0 - nu) * e_12]
     }
 
     /// Return the columns of Σ y_j ⊗ ∇λ_j.
+    #[inline(always)]
     fn columns(&self, y: &[Vector]) -> [Vector; 2] {
         let mut columns = [Vector::zeros(); 2];
         for (&k, gradient) in self.nodes.iter().zip(&self.gradients) {
@@ -120,6 +128,7 @@ impl Face {
         columns
     }
 
+    #[inline(always)]
     fn strain([f_1, f_2]: &[Vector; 2]) -> [f64; 3] {
         [0.5 * (f_1.norm_squared() - 1.0), 0.5 * (f_2.norm_squared() - 1.0), f_1.dot(f_2)]
     }
@@ -133,6 +142,7 @@ impl Face {
     }
 
     /// Return F and the stress S + τ C : E', N/m, of the shape `x` that moves at `v`.
+    #[inline(always)]
     pub(crate) fn stress(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> ([Vector; 2], [f64; 3]) {
         let f = self.columns(x);
         let mut strain = Self::strain(&f);
@@ -158,6 +168,7 @@ impl Face {
     }
 
     /// Return the gradient by the corners, N.
+    #[inline(always)]
     pub(crate) fn gradient(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> [Vector; 3] {
         let (f, [s_11, s_22, s_12]) = self.stress(x, rates);
         let fluxes = [f[0] * s_11 + f[1] * s_12, f[0] * s_12 + f[1] * s_22];
@@ -167,21 +178,20 @@ impl Face {
     /// Return the Hessian by the corners j ≥ k, N/m: (0,0), (1,0), (2,0), (1,1), (2,1), (2,2).
     ///
     /// `viscous` is 1 + τ dv/du. A `safe` Hessian leaves out compressive stress, and is positive semi-definite.
+    #[inline(always)]
     pub(crate) fn hessian(&self, x: &[Vector], stress: [f64; 3], viscous: f64, safe: bool) -> [Matrix3<f64>; 6] {
         let f = self.columns(x);
         let [s_11, s_22, s_12] = if safe { tensile(stress) } else { stress };
         let rows = self.gradients.map(|g| [f[0] * g.x, f[1] * g.y, f[0] * g.y + f[1] * g.x]);
         let (k, nu) = (self.area * self.stiffness * viscous, self.poisson_ratio);
         let shear = 0.5 * (1.0 - nu);
+        let by_law = rows.map(|[a, b, c]| [(a + b * nu) * k, (b + a * nu) * k, c * (shear * k)]);
         let mut blocks = [Matrix3::zeros(); 6];
         for (block, (j, l)) in blocks.iter_mut().zip(PAIRS) {
-            let (a, b) = (&rows[j], &rows[l]);
+            let (a, b) = (&rows[j], &by_law[l]);
             let (g, h) = (&self.gradients[j], &self.gradients[l]);
             let tension = g.x * (s_11 * h.x + s_12 * h.y) + g.y * (s_12 * h.x + s_22 * h.y);
-            *block = (a[0] * (b[0] + b[1] * nu).transpose()
-                + a[1] * (b[1] + b[0] * nu).transpose()
-                + a[2] * (b[2] * shear).transpose())
-                * k;
+            *block = Matrix3::from_fn(|r, c| a[0][r] * b[0][c] + a[1][r] * b[1][c] + a[2][r] * b[2][c]);
             for i in 0..3 {
                 block[(i, i)] += self.area * tension;
             }

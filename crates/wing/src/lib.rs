@@ -15,6 +15,7 @@
 
 mod base;
 mod contact;
+mod dissection;
 mod elastic;
 mod error;
 mod face;

@@ -48,22 +48,16 @@ pub(crate) enum Side {
 }
 
 impl Hinge {
-    /// Return θ in the shape `x`, rad, with the `support` turned; `None` at a fold.
-    pub(crate) fn turn(
-        &self,
-        x: &[Vector],
-        shapes: &[FaceShape],
-        support: &Matrix3<f64>,
-        twists: &Twists,
-    ) -> Option<f64> {
-        let first = &shapes[self.first.0].normal;
+    /// Return θ in a shape, rad, with the `support` turned; `None` at a fold.
+    pub(crate) fn turn(&self, shapes: &[FaceShape], support: &Matrix3<f64>, twists: &Twists) -> Option<f64> {
+        let FaceShape { normal: first, edges, over, .. } = &shapes[self.first.0];
         let other = match self.second {
             Side::Face(t, _) => shapes[t].normal,
             Side::Support(normal) => support * normal,
             Side::Vein(strand, _) => *twists.director(strand),
         };
-        let edge = self.edge(x);
-        let (sin, cos) = (other.cross(first).dot(&edge) / edge.norm(), other.dot(first));
+        let i = self.first.1;
+        let (sin, cos) = (other.cross(first).dot(&edges[i]) * over[i], other.dot(first));
         (cos > FOLD).then(|| sin.atan2(cos))
     }
 
@@ -77,21 +71,30 @@ impl Hinge {
 ///
 /// The part of one triangle is not symmetric, and the difference cancels with the triangle beyond the edge. So each
 /// contributes its symmetric part.
+#[inline(always)]
 pub(crate) fn add_hessian(blocks: &mut [Matrix3<f64>; 6], shape: &FaceShape, moments: [f64; 3]) {
     let n = shape.normal;
+    // Row of the corners j and k: the part along n of ∂²θ.
+    let mut rows = [[Vector::zeros(); 3]; 3];
     for (i, moment) in moments.into_iter().enumerate().filter(|(_, moment)| *moment != 0.0) {
         let EdgeFrame { along, across, by_along, by_across } = shape.edge(i);
-        for (block, (j, k)) in blocks.iter_mut().zip(crate::face::PAIRS) {
-            let both = by_across[j] * by_across[k] + 0.5 * by_along[j] * by_along[k];
-            let row = (across * both + along * (by_across[k] * by_along[j])) * moment;
-            let column = (across * both + along * (by_across[j] * by_along[k])) * moment;
-            *block -= n * row.transpose() + column * n.transpose();
+        let (along, across) = (along * moment, across * moment);
+        for (j, row) in rows.iter_mut().enumerate() {
+            for (k, row) in row.iter_mut().enumerate() {
+                let both = by_across[j] * by_across[k] + 0.5 * by_along[j] * by_along[k];
+                *row += across * both + along * (by_across[k] * by_along[j]);
+            }
         }
+    }
+    for (block, (j, k)) in blocks.iter_mut().zip(crate::face::PAIRS) {
+        let (row, column) = (rows[j][k], rows[k][j]);
+        *block -= Matrix3::from_fn(|r, c| n[r] * row[c] + column[r] * n[c]);
     }
 }
 
 /// Return Σ π_ij Q_il π_lk and Σ Q_il π_lk, with the turns π of the edges i and l of a triangle by its corners j
 /// and k.
+#[inline(always)]
 pub(crate) fn stiffness(shape: &FaceShape, bending: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
     let moments = bending * shape.by_across;
     (shape.by_across.transpose() * moments, moments)

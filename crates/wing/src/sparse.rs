@@ -1,16 +1,21 @@
-//! Sparse symmetric matrices and their Cholesky factors, with an order of approximate minimum degree.
+//! Sparse symmetric matrices and their Cholesky factors, in an order of nested dissection.
 //!
-//! Order, pattern and supernodes of the factor are found once, by faer.
+//! Pattern and supernodes of the factor are found once, by faer.
 
 use faer::Side;
+use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholeskyRaw, factorize_symbolic_cholesky};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 
+use crate::dissection::dissect;
+use crate::geometry::Vector;
 use crate::supernodes::{MARGIN, Plan};
 use crate::{Error, WingError};
 
-/// Lower triangle of a sparse symmetric matrix with its factors.
+/// Lower triangle of a sparse symmetric matrix, in the order of its factors.
 pub(crate) struct Symmetric {
     /// First entry of each column: `[order + 1]`.
     columns: Vec<usize>,
@@ -18,8 +23,8 @@ pub(crate) struct Symmetric {
     rows: Vec<usize>,
     /// Entries.
     pub(crate) values: Vec<f64>,
-    /// Row of the matrix of each row of the factor.
-    order: Vec<usize>,
+    /// Row of the factors of each unknown.
+    ranks: Vec<usize>,
     plan: Plan,
     factors: Vec<f64>,
     /// Right-hand side in that order, and the part below a supernode: `[2, order]`.
@@ -27,8 +32,16 @@ pub(crate) struct Symmetric {
 }
 
 impl Symmetric {
-    /// Return the zero matrix of `order` with a pattern of `places` (column, row), row ≥ column, in any order.
-    pub(crate) fn new(order: usize, mut places: Vec<(u32, u32)>) -> Result<Self, Error> {
+    /// Return the zero matrix with a pattern of `places` (column, row) of either triangle, in any order, of unknowns that
+    /// belong to the edges between these `ends`, m, or to nodes: `[order]`.
+    pub(crate) fn new(mut places: Vec<(u32, u32)>, ends: &[[Vector; 2]]) -> Result<Self, Error> {
+        let order = ends.len();
+        let mut ranks = vec![0; order];
+        dissect(&places, ends).into_iter().enumerate().for_each(|(rank, i)| ranks[i] = rank);
+        for (i, j) in &mut places {
+            let [a, b] = [*i, *j].map(|i| ranks[i as usize] as u32);
+            (*i, *j) = (a.min(b), a.max(b));
+        }
         places.sort_unstable();
         places.dedup();
         let mut columns = vec![0; order + 1];
@@ -41,22 +54,22 @@ impl Symmetric {
         // Below zero: supernodes also for a small or a diagonal matrix, which faer would leave without any.
         let supernodal_flop_ratio_threshold = SupernodalThreshold(-1.0);
         let forced = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), forced)
-            .map_err(|_| WingError::Singular)?;
-        let (order_of_factor, plan) = match (symbolic.raw(), symbolic.perm()) {
-            (SymbolicCholeskyRaw::Supernodal(supernodes), Some(ordering)) => {
-                let (old, new) = ordering.arrays();
-                let places = places.iter().map(|&(i, j)| (new[i as usize], new[j as usize]));
-                (old.to_vec(), Plan::new(supernodes, places))
+        let same: Vec<_> = (0..order).collect();
+        let ordering = SymmetricOrdering::Custom(PermRef::new_checked(&same, &same, order));
+        let symbolic =
+            factorize_symbolic_cholesky(pattern, Side::Lower, ordering, forced).map_err(|_| WingError::Singular)?;
+        let plan = match symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(supernodes) => {
+                Plan::new(supernodes, places.iter().map(|&(i, j)| (i as usize, j as usize)))
             }
-            _ if order == 0 => (Vec::new(), Plan::default()),
-            _ => return Err(WingError::Singular.into()),
+            _ if order == 0 => Plan::default(),
+            SymbolicCholeskyRaw::Simplicial(_) => return Err(WingError::Singular.into()),
         };
         Ok(Self {
             values: vec![0.0; rows.len()],
             columns,
             rows,
-            order: order_of_factor,
+            ranks,
             factors: vec![0.0; symbolic.len_val() + MARGIN],
             plan,
             work: vec![0.0; 2 * order],
@@ -73,8 +86,9 @@ impl Symmetric {
         self.factors.len() - MARGIN
     }
 
-    /// Return the place of an entry of the pattern in `values`.
+    /// Return the place of an entry of the pattern, of either triangle, in `values`.
     pub(crate) fn place(&self, i: usize, j: usize) -> usize {
+        let (i, j) = (self.ranks[i], self.ranks[j]);
         let (column, row) = (i.min(j), i.max(j));
         let start = self.columns[column];
         match self.rows[start..self.columns[column + 1]].binary_search(&row) {
@@ -85,12 +99,12 @@ impl Symmetric {
 
     /// Add `value` to the diagonal entry `i`; the diagonal belongs to the pattern.
     pub(crate) fn add_to_diagonal(&mut self, i: usize, value: f64) {
-        self.values[self.columns[i]] += value;
+        self.values[self.columns[self.ranks[i]]] += value;
     }
 
     /// Return the diagonal entry `i`.
     pub(crate) fn diagonal(&self, i: usize) -> f64 {
-        self.values[self.columns[i]]
+        self.values[self.columns[self.ranks[i]]]
     }
 
     /// Factorise the matrix; `false` means that it is not positive definite.
@@ -100,11 +114,11 @@ impl Symmetric {
 
     /// Replace `b` by the solution of the factorised matrix.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
-        let Self { order, plan, factors, work, .. } = self;
-        let (y, below) = work.split_at_mut(order.len());
-        y.iter_mut().zip(&*order).for_each(|(y, &i)| *y = b[i]);
+        let Self { ranks, plan, factors, work, .. } = self;
+        let (y, below) = work.split_at_mut(ranks.len());
+        b.iter().zip(&*ranks).for_each(|(b, &rank)| y[rank] = *b);
         plan.solve(factors, y, below);
-        y.iter().zip(&*order).for_each(|(y, &i)| b[i] = *y);
+        b.iter_mut().zip(&*ranks).for_each(|(b, &rank)| *b = y[rank]);
     }
 }
 

@@ -10,6 +10,8 @@
 //! entry of a product has one known place in a later block. All processors sum in the same order; those that fuse a
 //! product with its sum round once less.
 
+use std::array::from_fn;
+
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -20,12 +22,24 @@ const TALL: usize = 2;
 /// Entries behind the factors that a vector may read.
 pub(crate) const MARGIN: usize = 8 * TALL;
 
+/// Bits of the first entries of a vector.
+const MASKS: [[u64; 4]; 5] = [[0; 4], [!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
+
 /// Column of a later supernode from which a row of a supernode subtracts.
 struct Target {
     /// Place of the column.
     start: usize,
-    /// Places in the column of this row and of those below it, in `rows`.
-    rows: usize,
+    /// Runs of this row and of those below it, in `runs`.
+    runs: [usize; 2],
+}
+
+/// Rows of a supernode that follow each other in a later one.
+struct Run {
+    /// First of them among the rows below the supernode.
+    first: usize,
+    count: usize,
+    /// Its place in a column of the later supernode.
+    place: usize,
 }
 
 /// Places of the entries, which do not change.
@@ -38,14 +52,13 @@ pub(crate) struct Plan {
     entries: Vec<usize>,
     /// Targets of the rows below each supernode, one supernode after the other.
     targets: Vec<Target>,
-    rows: Vec<u32>,
+    runs: Vec<Run>,
     /// Rows below each supernode, one supernode after the other.
     below: Vec<u32>,
     /// Place of each entry of the matrix.
     places: Vec<u32>,
-    /// Columns of a product and its factors in rows of [`WIDE`].
+    /// Columns of a product.
     product: Vec<f64>,
-    packed: Vec<[f64; WIDE]>,
 }
 
 impl Plan {
@@ -67,16 +80,25 @@ impl Plan {
             true => row - columns[s],
             false => width(s) + below(s).partition_point(|&other| other < row),
         };
-        let (mut targets, mut rows, mut last) = (Vec::new(), Vec::new(), None);
+        let (mut targets, mut runs, mut last) = (Vec::new(), Vec::<Run>::new(), None);
         for s in 0..count {
+            let mut run = 0;
             for (j, &row) in below(s).iter().enumerate() {
                 let later = supernode[row];
                 if last != Some((s, later)) {
-                    rows.extend(below(s)[j..].iter().map(|&row| place_in(later, row) as u32));
+                    run = runs.len();
+                    for (first, &row) in below(s).iter().enumerate().skip(j) {
+                        let place = place_in(later, row);
+                        match runs[run..].last_mut() {
+                            Some(run) if place == run.place + run.count => run.count += 1,
+                            _ => runs.push(Run { first, count: 1, place }),
+                        }
+                    }
                     last = Some((s, later));
                 }
+                run += usize::from(j >= runs[run].first + runs[run].count);
                 let start = entries[later] + (row - columns[later]) * height(later);
-                targets.push(Target { start, rows: rows.len() + j - below(s).len() });
+                targets.push(Target { start, runs: [run, runs.len()] });
             }
         }
         let patterns = (0..count).flat_map(|s| below(s).iter().map(|&row| row as u32)).collect();
@@ -87,9 +109,8 @@ impl Plan {
         });
         let places = places.collect();
         let tallest = (0..count).map(height).max().unwrap_or(0);
-        let widest = (0..count).map(width).max().unwrap_or(0);
-        let (product, packed) = (vec![0.0; WIDE * (tallest + MARGIN)], vec![[0.0; WIDE]; widest]);
-        Self { supernodes: count, columns, entries, targets, rows, below: patterns, places, product, packed }
+        let product = vec![0.0; WIDE * (tallest + MARGIN) + MARGIN];
+        Self { supernodes: count, columns, entries, targets, runs, below: patterns, places, product }
     }
 
     /// Write the factors of the matrix of `values`; `false` means that it is not positive definite.
@@ -115,7 +136,7 @@ impl WithSimd for Factorise<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { plan: Plan { supernodes, columns, entries, targets, rows, product, packed, .. }, factors } = self;
+        let Self { plan: Plan { supernodes, columns, entries, targets, runs, product, .. }, factors } = self;
         let mut targets = targets.as_slice();
         for s in 0..*supernodes {
             let width = columns[s + 1] - columns[s];
@@ -124,7 +145,7 @@ impl WithSimd for Factorise<'_> {
             for left in (0..width).step_by(WIDE) {
                 let wide = WIDE.min(width - left);
                 if left > 0 {
-                    let stride = multiply(simd, block, height, left, left, product, packed);
+                    let stride = multiply(simd, block, height, left, left, product);
                     let columns = block[left * height..].chunks_exact_mut(height).zip(product.chunks_exact(stride));
                     for (column, sums) in columns.take(wide) {
                         column[left..].iter_mut().zip(sums).for_each(|(a, sum)| *a -= sum);
@@ -138,12 +159,18 @@ impl WithSimd for Factorise<'_> {
             targets = others;
             for (i, own) in own.chunks(WIDE).enumerate() {
                 let first = width + WIDE * i;
-                let stride = multiply(simd, &factors[entries[s]..], height, width, first, product, packed);
-                for (j, (target, sums)) in own.iter().zip(product.chunks_exact(stride)).enumerate() {
-                    let (sums, column) = (&sums[j..height - first], &mut factors[target.start..]);
-                    for (&place, sum) in rows[target.rows..].iter().zip(sums) {
-                        column[place as usize] -= sum;
+                let stride = multiply(simd, &factors[entries[s]..], height, width, first, product);
+                let mut begin = 0;
+                for own in own.chunk_by(|a, b| a.runs[1] == b.runs[1]) {
+                    for &Run { first, count, place } in &runs[own[0].runs[0]..own[0].runs[1]] {
+                        let skipped = (WIDE * i + begin).saturating_sub(first);
+                        let row = first + skipped - WIDE * i;
+                        for (j, target) in own.iter().enumerate() {
+                            let sums = &product[(begin + j) * stride + row..];
+                            subtract(&mut factors[target.start + place + skipped..], sums, count - skipped);
+                        }
                     }
+                    begin += own.len();
                 }
             }
         }
@@ -174,8 +201,8 @@ impl WithSimd for Solve<'_> {
             patterns = others;
             let own = &mut y[start..start + count];
             for (j, column) in values.chunks_exact(height).enumerate() {
-                own[j] /= column[j];
-                let y_j = own[j];
+                let y_j = own[j] * column[j];
+                own[j] = y_j;
                 own[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(y, l)| *y -= l * y_j);
             }
             let below = &mut below[..rows.len()];
@@ -206,13 +233,14 @@ impl WithSimd for Solve<'_> {
             let own = &mut y[start..start + count];
             for (j, column) in values.chunks_exact(height).enumerate().rev() {
                 let sum = dot(&column[count..], below) + dot(&column[j + 1..count], &own[j + 1..]);
-                own[j] = (own[j] - sum) / column[j];
+                own[j] = (own[j] - sum) * column[j];
             }
         }
     }
 }
 
-/// Factorise columns `first` … of a block, whose earlier columns are subtracted; `false` where they have no root.
+/// Factorise columns `first` … of a block, whose earlier columns are subtracted; `false` where they have no root. The
+/// diagonal then holds the inverse of that of L.
 #[inline(always)]
 fn factorise_columns(columns: &mut [f64], height: usize, first: usize) -> bool {
     for j in 0..columns.len() / height {
@@ -227,7 +255,8 @@ fn factorise_columns(columns: &mut [f64], height: usize, first: usize) -> bool {
             return false;
         }
         let over = 1.0 / column[0].sqrt();
-        column.iter_mut().for_each(|a| *a *= over);
+        column[1..].iter_mut().for_each(|a| *a *= over);
+        column[0] = over;
     }
     true
 }
@@ -238,29 +267,17 @@ fn factorise_columns(columns: &mut [f64], height: usize, first: usize) -> bool {
 /// Rows j and vectors reach into what follows a column; these sums are not used.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn multiply<S: Simd>(
-    simd: S,
-    block: &[f64],
-    height: usize,
-    depth: usize,
-    first: usize,
-    product: &mut [f64],
-    packed: &mut [[f64; WIDE]],
-) -> usize {
-    let packed = &mut packed[..depth];
-    for (k, packed) in packed.iter_mut().enumerate() {
-        packed.copy_from_slice(&block[k * height + first..][..WIDE]);
-    }
+fn multiply<S: Simd>(simd: S, block: &[f64], height: usize, depth: usize, first: usize, product: &mut [f64]) -> usize {
     let vectors = (height - first).div_ceil(S::F64_LANES);
     let stride = vectors * S::F64_LANES;
     let from = &block[first..];
     let mut done = 0;
     while done + TALL <= vectors {
-        multiply_tile::<S, TALL>(simd, from, height, done, stride, product, packed);
+        multiply_tile::<S, TALL>(simd, from, height, depth, done, stride, product);
         done += TALL;
     }
     if vectors > done {
-        multiply_tile::<S, 1>(simd, from, height, done, stride, product, packed);
+        multiply_tile::<S, 1>(simd, from, height, depth, done, stride, product);
     }
     stride
 }
@@ -271,27 +288,40 @@ fn multiply_tile<S: Simd, const N: usize>(
     simd: S,
     from: &[f64],
     height: usize,
+    depth: usize,
     done: usize,
     stride: usize,
     product: &mut [f64],
-    packed: &[[f64; WIDE]],
 ) {
     let row = done * S::F64_LANES;
     let mut sums = [[simd.splat_f64s(0.0); N]; WIDE];
-    let mut place = row;
-    for factors in packed {
-        let (vectors, _) = S::as_simd_f64s(&from[place..place + N * S::F64_LANES]);
+    for column in 0..depth {
+        let column = &from[column * height..][..row + N * S::F64_LANES];
+        let (vectors, _) = S::as_simd_f64s(&column[row..]);
         for j in 0..WIDE {
-            let factor = simd.splat_f64s(factors[j]);
+            let factor = simd.splat_f64s(column[j]);
             for i in 0..N {
                 sums[j][i] = simd.mul_add_e_f64s(vectors[i], factor, sums[j][i]);
             }
         }
-        place += height;
     }
     for (product, sums) in product.chunks_exact_mut(stride).zip(&sums) {
         let (vectors, _) = S::as_mut_simd_f64s(&mut product[row..row + N * S::F64_LANES]);
         vectors.copy_from_slice(sums);
+    }
+}
+
+/// Subtract the first `count` numbers of `b` from those of `a`; both go on behind them.
+#[inline(always)]
+fn subtract(a: &mut [f64], b: &[f64], count: usize) {
+    let chunks = count.div_ceil(4);
+    let (a, _) = a[..4 * chunks].as_chunks_mut::<4>();
+    let (b, _) = b[..4 * chunks].as_chunks::<4>();
+    for (k, (a, b)) in a.iter_mut().zip(b).enumerate() {
+        let mask = &MASKS[(count - 4 * k).min(4)];
+        // Of copies a compiler knows that they do not overlap.
+        let (own, other) = (*a, *b);
+        *a = from_fn(|l| own[l] - f64::from_bits(other[l].to_bits() & mask[l]));
     }
 }
 

@@ -69,7 +69,8 @@ pub(crate) struct System {
 }
 
 impl System {
-    pub(crate) fn new(elastic: &Elastic, held: &[bool]) -> Result<Self, Error> {
+    /// Return the matrix of the springs of a wing whose nodes are at `rest`, m, some of them `held`.
+    pub(crate) fn new(elastic: &Elastic, held: &[bool], rest: &[Vector]) -> Result<Self, Error> {
         let mut positions = 0;
         let unknowns: Vec<_> = held
             .iter()
@@ -132,7 +133,17 @@ impl System {
             let own = freedoms(joint);
             own.iter().flatten().for_each(|i| own.iter().flatten().for_each(|j| add(*i, *j)));
         }
-        let matrix = Symmetric::new(order, pattern)?;
+        let mut ends = vec![[Vector::zeros(); 2]; order];
+        let mut put = |i: usize, nodes: [usize; 2]| ends[i] = nodes.map(|k| rest[k]);
+        for (k, first) in unknowns.iter().enumerate() {
+            first.iter().for_each(|&first| (first..first + 3).for_each(|i| put(i, [k; 2])));
+        }
+        turns.iter().zip(&elastic.hinges).for_each(|(turn, hinge)| turn.iter().for_each(|i| put(*i, hinge.nodes)));
+        twists
+            .iter()
+            .zip(&elastic.twists.strands)
+            .for_each(|(turn, strand)| turn.iter().for_each(|i| put(*i, strand.nodes)));
+        let matrix = Symmetric::new(pattern, &ends)?;
 
         let place = |i: usize, j: usize| matrix.place(i, j) as u32;
         let block = |row: Option<usize>, column: Option<usize>| {
@@ -377,6 +388,7 @@ fn add_to_diagonal(block: &mut Matrix3<f64>, value: f64) {
     (0..3).for_each(|i| block[(i, i)] += value);
 }
 
+#[inline(always)]
 fn scatter(values: &mut [f64], places: &[u32; 9], block: &Matrix3<f64>) {
     for (i, &place) in places.iter().enumerate() {
         if place != NOWHERE {

@@ -77,7 +77,7 @@ impl Wing {
         }
         let rest: Vec<_> = (0..nodes).map(|k| parameters.mesh.node(k)).collect();
         let mut elastic = Elastic::new(&parameters, &held)?;
-        let system = System::new(&elastic, &held)?;
+        let system = System::new(&elastic, &held, &rest)?;
         let middle = rest.iter().sum::<Vector>() / nodes as f64;
         let size = rest.iter().fold(0.0_f64, |size, x| size.max((x - middle).norm()));
         let (ones, mut product) = (vec![Vector::repeat(1.0); nodes], vec![Vector::zeros(); nodes]);

@@ -1,6 +1,7 @@
 //! Factors of a matrix with supernodes against its products.
 
 use super::Symmetric;
+use crate::geometry::Vector;
 
 /// Return the pattern of `side`² nodes of three unknowns on a grid, each with the nodes up to three lines ahead.
 fn places(side: u32) -> Vec<(u32, u32)> {
@@ -23,7 +24,9 @@ fn factors_by_supernodes_solve_and_tell_of_a_matrix_that_is_not_positive_definit
     for side in [1, 3, 4, 8, 17, 30] {
         let order = 3 * (side * side) as usize;
         let places = places(side);
-        let mut matrix = Symmetric::new(order, places.clone()).expect("a pattern");
+        let node = |i: usize| Vector::new((i / 3 % side as usize) as f64, (i / 3 / side as usize) as f64, 0.0);
+        let ends: Vec<_> = (0..order).map(|i| [node(i); 2]).collect();
+        let mut matrix = Symmetric::new(places.clone(), &ends).expect("a pattern");
         let entry = |i: u32, j: u32| if i == j { 90.0 } else { f64::from(7 * i + 3 * j).sin() };
         for &(j, i) in &places {
             let place = matrix.place(i as usize, j as usize);
@@ -49,7 +52,8 @@ fn factors_by_supernodes_solve_and_tell_of_a_matrix_that_is_not_positive_definit
 #[test]
 fn a_diagonal_matrix_and_one_without_rows_are_solved() {
     for order in [0, 1, 7] {
-        let mut matrix = Symmetric::new(order, (0..order as u32).map(|i| (i, i)).collect()).expect("a pattern");
+        let ends = vec![[Vector::zeros(); 2]; order];
+        let mut matrix = Symmetric::new((0..order as u32).map(|i| (i, i)).collect(), &ends).expect("a pattern");
         matrix.values.fill(4.0);
         assert!(matrix.factorise());
         let mut b = vec![2.0; order];

@@ -31,7 +31,7 @@ fn the_tangent_is_the_derivative_of_the_forces() {
     for support in [Support::Clamped, Support::Pinned, Support::TorsionSpring { stiffness: 0.3 }] {
         let (parameters, held, x) = wing(support);
         let mut elastic = Elastic::new(&parameters, &held).expect("springs");
-        let mut system = System::new(&elastic, &held).expect("a matrix");
+        let mut system = System::new(&elastic, &held, &x).expect("a matrix");
         let still = vec![Vector::zeros(); x.len()];
         let balance = Balance::at_rest(x.len());
         elastic.set_stresses(&x);
@@ -101,7 +101,7 @@ impl Twisted {
             |name: &str, nodes: &[usize]| Vein { torsional_stiffness: 0.03, ..Vein::new(name, nodes, 0.1, 0.02, 50.0) };
         parameters.veins = vec![vein("branch", &branch), vein("stem", &stem)];
         let mut elastic = Elastic::new(&parameters, &held).expect("springs");
-        let system = System::new(&elastic, &held).expect("a matrix");
+        let system = System::new(&elastic, &held, &x).expect("a matrix");
         let nodes =
             |k: usize| if held[k] { Vector::zeros() } else { Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin()) };
         let turn = |k: usize| if elastic.twists.strands[k].rigid { 0.0 } else { ((5 * k + 1) as f64).cos() };
@@ -152,7 +152,7 @@ fn the_tangent_with_directors_is_the_derivative_of_forces_and_torques() {
     let nodes = twisted.x.len();
     let (still, balance) = (vec![Vector::zeros(); nodes], Balance::at_rest(nodes));
     // Newton's method for the directors alone.
-    let mut alone = System::new(&twisted.elastic, &vec![true; nodes]).expect("a matrix");
+    let mut alone = System::new(&twisted.elastic, &vec![true; nodes], &twisted.x).expect("a matrix");
     for _ in 0..8 {
         let (_, torques) = twisted.forces(0.0);
         let Twisted { elastic, x, .. } = &mut twisted;
@@ -184,7 +184,7 @@ fn the_tangent_with_directors_is_the_derivative_of_forces_and_torques() {
 fn the_factors_of_a_shape_serve_the_shape_that_has_turned() {
     let (parameters, held, x) = wing(Support::Clamped);
     let mut elastic = Elastic::new(&parameters, &held).expect("springs");
-    let mut system = System::new(&elastic, &held).expect("a matrix");
+    let mut system = System::new(&elastic, &held, &x).expect("a matrix");
     let rest: Vec<_> = (0..x.len()).map(|k| parameters.mesh.node(k)).collect();
     let mut frames = Frames::new(&rest, &elastic.faces);
     let still = vec![Vector::zeros(); x.len()];
