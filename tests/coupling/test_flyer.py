@@ -255,7 +255,7 @@ def test_a_flat_body_is_allowed_also_one_that_lies_obliquely(inertia, products):
     """Principal moments of 1, 2 and 3, and those of a bar."""
     scene = pair()
     scene["flyer"] |= {"inertia": inertia, "products_of_inertia": [0.0, 0.0, products]}
-    assert describe("body", scene).model == "pair"
+    assert describe("body", scene).model == "pair.body"
 
 
 def test_a_hinge_beyond_all_numbers_is_refused():

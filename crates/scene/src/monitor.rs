@@ -171,13 +171,16 @@ fn warning(key: &str, t: f64, text: &str) -> Warning {
 fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_contact: bool, see: See) {
     let (cell, bounds): (_, Bounds<3>) = (fluid.spacing(), shape.bounds());
     let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
-    for (axis, ends) in fluid.r#box.ends().enumerate() {
+    // What a wall holds off does not pass the edge behind it.
+    let walls = walls(fluid);
+    let is_free = |axis: usize| !is_held_off || walls.iter().all(|(across, _)| *across != axis);
+    for (axis, ends) in fluid.r#box.ends().enumerate().filter(|(axis, _)| is_free(*axis)) {
         let (over, name) = (out(axis, ends), AXES[axis]);
         see(&format!("edge {name}"), [over, ROUNDING * (ends[1] - ends[0])], false, &|| {
             format!("reaches {} m over the edge of the box along {name} and comes in at the other side", rounded(over))
         });
     }
-    for (axis, ends) in walls(fluid).into_iter().filter(|_| !is_held_off) {
+    for (axis, ends) in walls.iter().copied().filter(|_| !is_held_off) {
         let reached = out(axis, ends);
         // A beam may be embedded in a wall.
         see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !part.is_body(), &|| {

@@ -65,17 +65,16 @@ class Frames:
         """Read a folder; `part` is what pictures of the fluid show."""
         h5py = require("h5py", "an animation")
         self.folder = folder
-        if not results.field_files(folder):
+        if not (paths := results.field_files(folder)):
             raise InputError(f"{folder} holds no fields: `nervure run` writes them with --fields-every")
-        there = [name for name in results.FIELDS if (folder / name).exists()] or [FLUID_FIELDS]
-        files: dict[str, Any] = {name: h5py.File(folder / name) for name in there}
-        first = files[there[0]]
+        files: dict[str, Any] = {path.name: h5py.File(path) for path in sorted(paths)}
+        first = files.get(FLUID_FIELDS, next(iter(files.values())))
         self.fluid: Any = files.get(FLUID_FIELDS)
         self.wing: Any = files.get(WING_FIELDS)
         self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
         self.facts = Facts(scene)
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
+        self.beams: list[Any] = [files[fields.beam_file(own)]["VTKHDF"] for own in beams(scene)]
         moves = scene.fluid and flow.poses(scene, str)
         self.moves = self._moves(results.read(folder).series) if moves else []
         self.part = part
