@@ -86,13 +86,14 @@ impl Inertia {
 /// Return whether a symmetric matrix is positive definite: whether all pivots of its elimination are above 0.
 pub(crate) fn is_positive(mut matrix: [[f64; 3]; 3]) -> bool {
     for k in 0..3 {
-        if matrix[k][k].is_nan() || matrix[k][k] <= 0.0 {
+        let row = matrix[k];
+        if row[k].is_nan() || row[k] <= 0.0 {
             return false;
         }
-        for i in k + 1..3 {
-            let share = matrix[i][k] / matrix[k][k];
-            for j in k + 1..3 {
-                matrix[i][j] -= share * matrix[k][j];
+        for other in &mut matrix[k + 1..] {
+            let share = other[k] / row[k];
+            for (entry, above) in other.iter_mut().zip(row) {
+                *entry -= share * above;
             }
         }
     }
