@@ -16,21 +16,27 @@ from pathlib import Path
 from fsi3 import Unit  # type: ignore[import-not-found]
 
 WAY = [*"xyz", "vx", "vy", "vz", "angle_x", "angle_y", "angle_z"]
-BORNE, ANNOUNCED = re.compile(r"root\.(force|moment)_[xyz]"), re.compile(r"root\.(reaction|impedance)\[")
+BORNE, ANNOUNCED = re.compile(r"root\.(force|moment)_[xyz]"), re.compile(r"root\.(reaction|impedance)")
 
 
 def give(source: Unit, target: Unit, names: dict[str, str]) -> None:
-    """Set inputs of `target` to outputs of `source`, by the names of these."""
-    target.set([*names.values()], source.get([*names]))
+    """Set inputs of `target` to outputs of `source`, by the names of these; several outputs may be one array."""
+    target.set([*dict.fromkeys(names.values())], source.get([*names]))
 
 
 class Carried:
     """A wing with the names of what it exchanges with the body and with the fluid, where it has a prefix."""
 
-    def __init__(self, unit: Unit, name: str, prefix: str):
+    def __init__(self, unit: Unit, name: str, prefix: str, body: Unit):
         self.unit, self.prefix = unit, prefix
         roots = [own for own in unit.inputs if own.startswith("root.") and own != "root.step"]
-        self.roots = {kind: {f"{name}.{kind}.{own[5:]}": own for own in roots} for kind in ("root", "reference")}
+        begins = {kind: {f"{name}.{kind}.{own[5:]}": own for own in roots} for kind in ("root", "reference")}
+        self.roots = {
+            kind: {
+                at: own for begin, own in names.items() for at in body.references if f"{at}[".startswith(f"{begin}[")
+            }
+            for kind, names in begins.items()
+        }
         self.borne = {own: f"{name}.{own}" for own in unit.references if BORNE.fullmatch(own)}
         self.announced = {own: f"{name}.{own}" for own in unit.references if ANNOUNCED.match(own)}
         self.loads = {prefix + own: own for own in unit.inputs if not own.startswith("root.")}
@@ -92,7 +98,9 @@ if __name__ == "__main__":
     paths = {name: f"{given.units}{name}.fmu" for name in ["body", *given.wings, "fluid"]}
     units = {name: Unit(path, given.end) for name, path in paths.items() if Path(path).exists()}
     places = ["wing."] if len(given.wings) == 1 else [f"wing[{k}]." for k in range(1, len(given.wings) + 1)]
-    carried = [Carried(units[name], name, place) for name, place in zip(given.wings, places, strict=True)]
+    carried = [
+        Carried(units[name], name, place, units["body"]) for name, place in zip(given.wings, places, strict=True)
+    ]
     with open(given.csv, "w", encoding="utf-8", newline="") as file:
         way = fly(units["body"], carried, units.get("fluid"), given.end)
         csv.writer(file).writerows([["time", *WAY], *([f"{value:.10g}" for value in row] for row in way)])

@@ -8,36 +8,47 @@ This is all that a master has to do: connect equal names, step the rod, step the
 
 import argparse
 import csv
+import math
 import shutil
 from collections.abc import Iterator
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 
 TIP = ["tip.ux", "tip.uy", "tip.vx", "tip.vy"]
 
 
 class Unit:
-    """An FMU in initialization mode; `references` are those of its variables by name."""
+    """An FMU of FMI 2.0 or 3.0 in initialization mode; `references` are those of its variables by name."""
 
     def __init__(self, path: str, stop_time: float):
         description = fmpy.read_model_description(path, validate=False)
+        self.is_3 = description.fmiVersion.startswith("3")
         self.references = {v.name: v.valueReference for v in description.modelVariables}
+        self.sizes = {v.name: math.prod(v.shape or ()) for v in description.modelVariables}
         self.inputs = [v.name for v in description.modelVariables if v.causality == "input"]
         self.folder = fmpy.extract(path)
         model = description.coSimulation.modelIdentifier
-        self.fmu = FMU2Slave(
+        self.fmu = (FMU3Slave if self.is_3 else FMU2Slave)(
             guid=description.guid, modelIdentifier=model, instanceName=model, unzipDirectory=self.folder
         )
         self.fmu.instantiate()
-        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
-        self.fmu.enterInitializationMode()
+        if self.is_3:
+            self.fmu.enterInitializationMode(startTime=0.0, stopTime=stop_time)
+        else:
+            self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
+            self.fmu.enterInitializationMode()
 
     def get(self, names: list[str]) -> list[float]:
-        return list(self.fmu.getReal([self.references[name] for name in names]))
+        references = [self.references[name] for name in names]
+        if self.is_3:
+            return list(self.fmu.getFloat64(references, sum(self.sizes[name] for name in names)))
+        return list(self.fmu.getReal(references))
 
     def set(self, names: list[str], values: list[float]) -> None:
-        self.fmu.setReal([self.references[name] for name in names], values)
+        references = [self.references[name] for name in names]
+        (self.fmu.setFloat64 if self.is_3 else self.fmu.setReal)(references, values)
 
     def close(self) -> None:
         self.fmu.terminate()

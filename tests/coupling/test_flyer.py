@@ -6,6 +6,7 @@ import math
 import runpy
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -238,6 +239,8 @@ def test_a_wing_that_a_body_cannot_carry_is_refused(change, fault):
         ({"inertia": [1.0, 0.0, 1.0]}, r"`flyer.inertia` is \[1.0, 0.0, 1.0\]"),
         ({"inertia": 1e200}, "`flyer.inertia` is 1e200, but .* product is from"),
         ({"products_of_inertia": [2.0, 0.0, 0.0]}, r"`flyer.products_of_inertia` is \[2.0, 0.0, 0.0\]"),
+        ({"inertia": [1.0, 1.0, 2.00001]}, "`flyer.inertia` is .*, but each moment must be at most the sum of the"),
+        ({"inertia": 2.0, "products_of_inertia": [0.0, 0.0, 1.01]}, "`flyer.products_of_inertia` .* each principal m"),
     ],
 )
 def test_a_body_with_an_impossible_inertia_is_refused_by_the_key_that_has_it(change, fault):
@@ -245,6 +248,14 @@ def test_a_body_with_an_impossible_inertia_is_refused_by_the_key_that_has_it(cha
     scene["flyer"] |= {"inertia": [1.0, 1.0, 1.0]} | change
     with pytest.raises(SceneError, match=fault):
         describe("body", scene)
+
+
+@pytest.mark.parametrize(("inertia", "products"), [([1.0, 1.0, 2.0], 0.0), (2.0, 1.0), ([1.0, 1e-12, 1.0], 0.0)])
+def test_a_flat_body_is_allowed_also_one_that_lies_obliquely(inertia, products):
+    """Principal moments of 1, 2 and 3, and those of a bar."""
+    scene = pair()
+    scene["flyer"] |= {"inertia": inertia, "products_of_inertia": [0.0, 0.0, products]}
+    assert describe("body", scene).model == "pair.body"
 
 
 def test_a_hinge_beyond_all_numbers_is_refused():
@@ -468,9 +479,14 @@ def test_a_flight_resumes(tmp_path):
 
 
 @pytest.mark.pictures
-def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_them(tmp_path):
+def test_pictures_and_file_of_a_flyer_show_all_its_wings_and_rods_where_its_hinges_hold_them(tmp_path, monkeypatch):
     scene = pair()
     scene["time"]["end"], scene["flyer"]["position"] = 0.02, [0.0, 0.0, 0.3]
+    root = {"at": {"position": [0.0, 0.1, 0.3], "direction": [0.0, 1.0, 0.0]}}
+    section = {"line_density": 0.3, "bending_stiffness": 0.1, "axial_stiffness": 200.0}
+    scene["beam"] = {"root": root, "length": 0.3, "thickness": 0.01, "segments": 6}
+    scene["rod"] = {"material": {"section": section}, "scheme": "bdf2"}
+    scene["flyer"]["hinges"].append({"carries": "rod", "position": [0.0, 0.1, 0.0]})
     found = nervure.run(nervure.Scene.model_validate(scene), tmp_path, fields_every=0.01, quiet=True)
     mesh, (nodes, triangles) = found.facts.wing, animation.Frames(tmp_path).membrane(0)
     assert (tmp_path / "wing.png").exists() and len(mesh.roots) == len(mesh.tips) == len(mesh.edges()) == 2
@@ -478,8 +494,36 @@ def test_pictures_and_file_of_a_flyer_show_all_its_wings_where_its_hinges_hold_t
     print(mesh.nodes[mesh.tips])
     assert np.abs(mesh.nodes[mesh.tips, 0]) == pytest.approx(0.25)
     assert mesh.nodes[:, 2] == pytest.approx(0.3)
+    drawn: list[Any] = []
+    monkeypatch.setattr(animation.plots, "save", lambda figure, path: drawn.append(figure) or path)
     animation.write(tmp_path, None, None)
     assert (tmp_path / "motion.gif").exists()
+    (figure,) = drawn
+    shown = [np.array(line.get_data_3d()).T / 1e3 for line in figure.axes[0].lines]
+    tail = animation.Frames(tmp_path).points(2)
+    assert any(np.shape(line) == tail.shape and line == pytest.approx(tail) for line in shown), "the rod"
+
+
+@pytest.mark.pictures
+def test_a_film_of_a_flyer_with_rods_alone_shows_them_all(tmp_path):
+    scene = pair()
+    del scene["wings"]
+    scene["time"]["end"] = 0.02
+    section = {"line_density": 0.3, "bending_stiffness": 0.1, "axial_stiffness": 200.0}
+    rod = {"material": {"section": section}, "scheme": "bdf2"}
+    beam = {"length": 0.3, "thickness": 0.01, "segments": 6}
+    sides = {"left": 0.05, "right": -0.05}
+    roots = {name: {"at": {"position": [x, 0.0, 0.0], "direction": [20 * x, 0.0, 0.0]}} for name, x in sides.items()}
+    scene["rods"] = [{"name": name, "beam": beam | {"root": root}, "rod": rod} for name, root in roots.items()]
+    hinges = [{"carries": name, "position": [x, 0.0, 0.0], "motion": {"stroke": STROKE}} for name, x in sides.items()]
+    scene["flyer"]["hinges"] = hinges
+    nervure.run(nervure.Scene.model_validate(scene), tmp_path, fields_every=0.005, quiet=True)
+    frames = animation.Frames(tmp_path)
+    times, paths = frames.tips
+    assert len(times) == 5 and [path[0, 0] for path in paths] == pytest.approx([0.35, -0.35])
+    for path, shapes in zip(paths, frames.shapes, strict=True):
+        assert path == pytest.approx(shapes[:, -1], abs=1e-7) and np.ptp(path[:, 1]) > 0
+    assert {"motion.png", "motion.gif"} <= {path.name for path in animation.write(tmp_path, None, None)}
 
 
 def test_a_controller_holds_the_height_and_all_angles_that_a_constant_stroke_loses(tmp_path):

@@ -158,6 +158,14 @@ def test_a_unit_that_fails_ends_the_episode_and_the_next_one_begins(env):
         assert failing.step(np.array([0.0]))[1:3] == (1.0, False)
 
 
+def test_an_episode_is_truncated_by_the_step_that_reaches_the_end_of_the_scene():
+    scene = load(PLATE).copy({"time.end": 0.25})
+    with gym.Env(scene, [TURN], {"tip_uy": 0.1}, lambda _v, _a: 0.0, ends=lambda v: v["time"] > 0.26) as env:
+        for _ in range(2):
+            env.reset()
+            assert [env.step(np.zeros(1))[2:4] for _ in range(3)] == [(False, False)] * 2 + [(True, True)]
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
@@ -172,7 +180,8 @@ def test_a_unit_that_fails_ends_the_episode_and_the_next_one_begins(env):
         ({"observed": {"tip_uz": 1.0}}, "there is no column `tip_uz`: did you mean tip_uy"),
         ({"observed": {"tip_uy": 0.0}}, "tip_uy has the scale 0.0, but must have a finite one other than 0"),
         ({"starts": ()}, "there are no starts"),
-        ({"starts": (0.0, -1.0)}, "a start is at -1.0 s, but must be at a finite time of at least 0"),
+        ({"starts": (0.0, 6.0)}, "a start is at 6.0 s, but must be from 0 to before the end of the scene, 6 s"),
+        ({"starts": (0.0, -1.0)}, "a start is at -1.0 s, but must be from 0 to before the end of the scene, 6 s"),
         ({"steps": 0}, "steps is 0, but must be a whole number from 1 to 100000"),
         ({"steps": 10**9}, "steps is 1000000000, but must be a whole number from 1 to 100000"),
         ({"render_mode": "human"}, "render_mode is 'human', but must be None or rgb_array"),
@@ -236,6 +245,9 @@ def test_a_task_is_registered_and_its_classical_controller_acts_in_its_range(nam
     action = gym.BASELINES[name](seen, info["time"])
     assert env.action_space.contains(np.clip(action, env.action_space.low, env.action_space.high))
     assert np.isfinite(env.step(action)[1])
+    own = env.unwrapped
+    left = own.session.grid.steps - max(start.steps for start in own.starts)
+    assert left >= env.spec.max_episode_steps * own.steps, "the limit of the episodes is that of the registry"
     env.close()
 
 

@@ -1,11 +1,16 @@
-"""The master in `scripts/`, which knows fmpy alone, gives what the command gives."""
+"""The masters in `scripts/`, which know fmpy alone, give what the command gives."""
 
 import csv
 import subprocess
 import sys
 
+import numpy as np
+import pytest
+
+import nervure
 from nervure.resources import ROOT
 from tests.conftest import FSI3, run_scene
+from tests.coupling.test_flyer import pair
 
 END = 0.05
 """Simulated time, s."""
@@ -16,8 +21,9 @@ def columns(path, names):
         return [[row[name] for name in names] for row in csv.DictReader(file)]
 
 
-def test_the_script_alone_gives_the_digits_of_the_command(tmp_path, libraries):
-    done = run_scene(FSI3, "--end-time", str(END), "--output", tmp_path, "--quiet")
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_the_script_alone_gives_the_digits_of_the_command(fmi, tmp_path, libraries):
+    done = run_scene(FSI3, "--end-time", str(END), "--output", tmp_path, "--quiet", "--fmi", fmi)
     assert done.returncode == 0, done.stderr
     units = [tmp_path / f"fsi3-325x72-{kind}.fmu" for kind in ("rod", "fluid")]
     command = [sys.executable, ROOT / "scripts" / "fsi3.py", *units, tmp_path / "tip.csv", "--end", str(END)]
@@ -30,6 +36,17 @@ def test_the_script_alone_gives_the_digits_of_the_command(tmp_path, libraries):
     assert ours == theirs
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_flyer_flies_alike_in_the_script(fmi, tmp_path, libraries):
+    scene = pair() | {"time": {"end": 0.05, "communication_step": 5e-3}}
+    run = nervure.run(nervure.Scene.model_validate(scene), tmp_path, quiet=True, fmi=fmi)
+    units = [str(tmp_path / "pair-"), tmp_path / "way.csv", "0.05", "left", "right"]
+    subprocess.run([sys.executable, ROOT / "scripts" / "flyer.py", *units], check=True)
+    way = np.array(columns(tmp_path / "way.csv", ["time", "y", "vy"]), float).T
+    assert way == pytest.approx(np.array([run.series[name] for name in ("time", "body_y", "body_vy")]), rel=1e-9)
+    assert way[1, -1] < 0
+
+
 def test_the_script_stays_short_and_on_its_own():
     text = (ROOT / "scripts" / "fsi3.py").read_text(encoding="utf-8")
-    assert text.count("\n") < 80 and "import nervure" not in text and "from nervure" not in text
+    assert text.count("\n") <= 90 and "import nervure" not in text and "from nervure" not in text

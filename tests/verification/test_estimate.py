@@ -67,6 +67,18 @@ def test_the_bar_of_two_runs_holds_the_limit_of_orders_from_1_to_2(order):
     assert abs(limit - 5.0) <= found.uncertainty
 
 
+@pytest.mark.parametrize("order", [1.5, 2.0])
+@pytest.mark.parametrize("count", [2, 4])
+def test_a_parameter_that_was_varied_outwards_has_the_error_of_the_scene_in_its_bar(order, count):
+    """As the box: the finest runs beside a coarse one do not correct the scene, whose size is 1."""
+    sizes = [(2 / 3) ** k for k in range(count)]
+    share = estimate(sizes, [1 + 0.3 * size**order for size in sizes], [0.0] * count)
+    first = estimate([0.5, 1.0], [1.3, 1.3], [0.0, 0.0])
+    value, limit, bar = combine({"cells": first, "box": share})
+    assert abs(limit - 1) <= bar < 0.8 and value == 1.3
+    assert share.bar(0.5 * sizes[-1]) < share.bar(sizes[-1]) == share.uncertainty < share.bar(2.0) / 2
+
+
 def test_the_bar_holds_the_limit_of_scattered_values_in_nine_of_ten_draws():
     random, held, widths = np.random.default_rng(1), 0, []
     for _ in range(300):

@@ -37,7 +37,7 @@ impl Contact {
         let cells = fluid.map_or(f64::NAN, Self::two_cells);
         let film = |(film, fluid): (Film, &Fluid)| BodyFilm {
             viscosity: fluid.density * fluid.kinematic_viscosity,
-            range: FILM_CELLS / RANGE_CELLS * cells,
+            range: Self::film_range(fluid),
             least: film.roughness,
         };
         let step = fluid.map_or(f64::INFINITY, |fluid| fluid.time_stepping.max_step);
@@ -49,6 +49,11 @@ impl Contact {
             film: self.film.zip(fluid).map(film),
             dt: step.min(scene.time.communication_step),
         }
+    }
+
+    /// Return the gap below which a film acts, m.
+    fn film_range(fluid: &Fluid) -> f64 {
+        FILM_CELLS / RANGE_CELLS * Self::two_cells(fluid)
     }
 
     /// Return the length of two cells, m: a grid does not see a film of that.
@@ -182,6 +187,12 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         let shortest = fluid.r#box.ends().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
         faults.require(range <= 0.5 * shortest, "contact.range", range, || {
             format!("it must be at most half the shortest side of the box, {}", 0.5 * shortest)
+        });
+    }
+    if let (Some(film), Some(fluid)) = (contact.film, &scene.fluid) {
+        let range = Contact::film_range(fluid);
+        faults.require(film.roughness < range, "contact.film.roughness", film.roughness, || {
+            format!("it must be below the gap at which a film begins, {FILM_CELLS} cells or {range} m")
         });
     }
     let projected = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.bending == Bending::Projected));

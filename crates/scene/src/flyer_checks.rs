@@ -5,6 +5,7 @@ use geometry::vector::{minus, norm};
 use crate::body::BodyDrive;
 use crate::fault::{Check, Fault, Faults, list};
 use crate::flyer::{Flyer, FlyerHinge};
+use crate::mount::{OF_A_BODY, is_positive};
 use crate::root::RootSupport;
 use crate::scene::Scene;
 
@@ -40,18 +41,21 @@ pub(crate) fn check(scene: &Scene, flyer: &Flyer, faults: &mut Faults) {
     if let Some(fluid) = &scene.fluid {
         faults.forbid(!fluid.is_space(), "flyer", || "the fluid has two dimensions: it needs `fluid.box.z`".into());
     }
-    let [x, y, z] = flyer.inertia.about();
-    let [yz, zx, xy] = flyer.products_of_inertia;
+    let (inertia, products) = (flyer.inertia, flyer.products_of_inertia);
+    let ([x, y, z], [yz, zx, xy], of_all) = (inertia.about(), products, "flyer.products_of_inertia");
     let own_positive = [x, y, z].iter().all(|about| *about > 0.0) && (x * y * z).is_normal();
-    faults.require(own_positive, "flyer.inertia", flyer.inertia, || {
+    let is_positive = is_positive([[x, xy, zx], [xy, y, yz], [zx, yz, z]]);
+    let exists = inertia.is_of_a_body([0.0; 3]);
+    faults.require(own_positive, "flyer.inertia", inertia, || {
         "each axis has a moment of inertia > 0, and their product is from 1e-300 to 1e300".into()
     });
-    // All leading minors are above 0.
-    let is_positive =
-        x * y - xy * xy > 0.0 && x * (y * z - yz * yz) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx) > 0.0;
-    let products = format!("{:?}", flyer.products_of_inertia);
-    faults.require(!own_positive || is_positive, "flyer.products_of_inertia", products, || {
-        format!("with `flyer.inertia`, {}, each axis, also an oblique one, has a moment of inertia > 0", flyer.inertia)
+    faults.require(!own_positive || exists, "flyer.inertia", inertia, || format!("each {OF_A_BODY}"));
+    faults.require(!own_positive || is_positive, of_all, format!("{products:?}"), || {
+        format!("with `flyer.inertia`, {inertia}, each axis, also an oblique one, has a moment of inertia > 0")
+    });
+    let is_possible = !(own_positive && exists && is_positive) || inertia.is_of_a_body(products);
+    faults.require(is_possible, of_all, format!("{products:?}"), || {
+        format!("with `flyer.inertia`, {inertia}, each principal {OF_A_BODY}")
     });
     if let Some(shape) = flyer.shape {
         let bodies = scene.fluid.as_ref().map_or(&[][..], |fluid| &fluid.bodies);

@@ -43,6 +43,12 @@ pub(crate) struct Part {
     pub is_driven: bool,
 }
 
+impl Part {
+    fn is_body(&self) -> bool {
+        self.key.starts_with("fluid.")
+    }
+}
+
 /// What is known of the parts from earlier times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Memory {
@@ -78,7 +84,7 @@ impl Monitor<'_> {
         let known = self.parts.iter().zip(now).filter_map(|(part, shape)| Some((*part, shape.as_ref()?)));
         let known: Vec<_> = known.collect();
         for (part, shape) in &known {
-            let is_run = self.is_run;
+            let (is_run, has_contact) = (self.is_run, self.has_contact);
             let see: See = &mut |limit, [reached, allowed], may_start, text| {
                 let first = Some(if is_run || may_start { reached } else { 0.0 });
                 let before = memory.reached.entry(format!("{} {limit}", part.key)).or_insert(first);
@@ -88,7 +94,9 @@ impl Monitor<'_> {
                 }
             };
             if let Some(fluid) = self.fluid.filter(|_| part.moves || (!is_run && t == 0.0)) {
-                limits(fluid, part, shape, !self.has_contact, see);
+                // Before a run a rod or a wing counts as rigid, but contact bends it at a wall.
+                let is_held_off = has_contact && !is_run && !part.is_body();
+                limits(fluid, part, shape, is_held_off, !has_contact, see);
             }
             if part.deforms {
                 own_shape(part, shape, self.axes, see);
@@ -98,8 +106,7 @@ impl Monitor<'_> {
         let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
         for [i, j] in near_pairs(&bounds, cell / 4.0) {
             let (one, two) = (known[i], known[j]);
-            let is_body = |part: &Part| part.key.starts_with("fluid.");
-            let touches = match (is_body(one.0), is_body(two.0)) {
+            let touches = match (one.0.is_body(), two.0.is_body()) {
                 (true, true) => one.0.is_mounted || two.0.is_mounted,
                 _ => !(one.0.is_driven || two.0.is_driven),
             };
@@ -159,21 +166,24 @@ fn warning(key: &str, t: f64, text: &str) -> Warning {
     Warning { key: key.into(), time, text: format!("{text} {when}") }
 }
 
-/// Show how far a part reaches over the edges of the box, into walls and zones, and whether it stops the stream.
-fn limits(fluid: &Fluid, part: &Part, shape: &Shape, lacks_contact: bool, see: See) {
+/// Show how far a part reaches over the edges of the box, into walls that do not hold it off and zones, and whether it
+/// stops the stream.
+fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_contact: bool, see: See) {
     let (cell, bounds): (_, Bounds<3>) = (fluid.spacing(), shape.bounds());
     let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
-    for (axis, ends) in fluid.r#box.ends().enumerate() {
+    // What a wall holds off does not pass the edge behind it.
+    let walls = walls(fluid);
+    let is_free = |axis: usize| !is_held_off || walls.iter().all(|(across, _)| *across != axis);
+    for (axis, ends) in fluid.r#box.ends().enumerate().filter(|(axis, _)| is_free(*axis)) {
         let (over, name) = (out(axis, ends), AXES[axis]);
         see(&format!("edge {name}"), [over, ROUNDING * (ends[1] - ends[0])], false, &|| {
             format!("reaches {} m over the edge of the box along {name} and comes in at the other side", rounded(over))
         });
     }
-    for (axis, ends) in walls(fluid) {
+    for (axis, ends) in walls.iter().copied().filter(|_| !is_held_off) {
         let reached = out(axis, ends);
         // A beam may be embedded in a wall.
-        let is_body = part.key.starts_with("fluid.");
-        see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !is_body, &|| {
+        see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !part.is_body(), &|| {
             let help = if part.is_mounted && lacks_contact { ", without the key `contact`," } else { "" };
             format!("reaches {} m into a wall of the channel{help}", rounded(reached))
         });
@@ -240,8 +250,8 @@ struct Places {
     bodies: Vec<Option<Vec<f64>>>,
     /// Stations of each beam, m; none of one that nobody knows.
     beams: Vec<Option<Vec<Vec<f64>>>>,
-    /// Nodes of the wing, m.
-    wing: Option<Vec<[f64; 3]>>,
+    /// Nodes of each wing, m; none of one that nobody knows.
+    wings: Vec<Option<Vec<[f64; 3]>>>,
 }
 
 /// Warnings and memory after one time of a run.
@@ -271,7 +281,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     let mut add = |key: String, name: String, shapes: [Option<Shape>; 2], moves: bool, beam: Option<&Beam>| {
         if let [Some(rest), Some(shape)] = shapes {
             let [is_mounted, is_driven] = [&mounted, &driven].map(|keys| keys.contains(&key));
-            let deforms = key == "wing" || beam.is_some();
+            let deforms = !key.starts_with("fluid.");
             let thickness = beam.map_or(f64::INFINITY, Beam::largest_thickness);
             let reach = fluid.map_or(0.0, |fluid| fluid.reach(&rest, beam));
             parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted, is_driven });
@@ -301,11 +311,12 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         let name = own.name.map_or("the rod".into(), |name| format!("the rod {name}"));
         add(own.key() + "beam", name, [rest, shape], true, Some(own.beam));
     }
-    if let Some(wing) = &scene.wing {
-        let mesh = wing.mesh.build();
-        let surface = |nodes| Shape::Surface(Surface::new(nodes, mesh.triangles.clone()));
-        let nodes = places.wing.filter(|nodes| nodes.len() == mesh.nodes.len() && !mesh.triangles.is_empty());
-        add("wing".into(), "the wing".into(), [Some(surface(mesh.nodes)), nodes.map(surface)], true, None);
+    for (own, nodes) in scene.wings().zip(places.wings) {
+        let (triangles, rest) = (own.wing.mesh.build().triangles, scene.wing_nodes(&own));
+        let surface = |nodes| Shape::Surface(Surface::new(nodes, triangles.clone()));
+        let nodes = nodes.filter(|nodes| nodes.len() == rest.len() && !triangles.is_empty());
+        let name = own.number.map_or("the wing".into(), |_| format!("the wing {}", own.name));
+        add(own.key, name, [Some(surface(rest)), nodes.map(surface)], true, None);
     }
     let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
     let (parts, has_contact) = (parts.iter().collect(), scene.contact.is_some());

@@ -58,6 +58,12 @@ pub enum Inertia {
     Each([f64; 3]),
 }
 
+/// Part of the sum of the moments of inertia by which one of a flat body may exceed the others.
+const ROUNDING: f64 = 1e-9;
+
+/// What moments of inertia about principal axes have to be.
+pub(crate) const OF_A_BODY: &str = "moment must be at most the sum of the other two";
+
 impl Inertia {
     /// Return the moments about the axes of the body, kg m².
     pub fn about(self) -> [f64; 3] {
@@ -66,6 +72,32 @@ impl Inertia {
             Self::Each(about) => about,
         }
     }
+
+    /// Return whether a body can have these moments with the products −∫ y z, −∫ z x and −∫ x y: its second moments
+    /// ∫ x xᵀ, half the trace less the matrix of inertia, are positive, or 0 across a flat body.
+    pub(crate) fn is_of_a_body(self, [yz, zx, xy]: [f64; 3]) -> bool {
+        let about = self.about();
+        let trace: f64 = about.iter().sum();
+        let [x, y, z] = about.map(|about| (0.5 + ROUNDING) * trace - about);
+        is_positive([[x, -xy, -zx], [-xy, y, -yz], [-zx, -yz, z]])
+    }
+}
+
+/// Return whether a symmetric matrix is positive definite: whether all pivots of its elimination are above 0.
+pub(crate) fn is_positive(mut matrix: [[f64; 3]; 3]) -> bool {
+    for k in 0..3 {
+        let row = matrix[k];
+        if row[k].is_nan() || row[k] <= 0.0 {
+            return false;
+        }
+        for other in &mut matrix[k + 1..] {
+            let share = other[k] / row[k];
+            for (entry, above) in other.iter_mut().zip(row) {
+                *entry -= share * above;
+            }
+        }
+    }
+    true
 }
 
 impl fmt::Display for Inertia {
@@ -132,6 +164,8 @@ impl Mount {
                 faults.require(is_space, &name, format!("{about:?}"), || "in two dimensions it is one number".into());
                 let fits = about.iter().all(|about| *about > 0.0);
                 faults.require(fits, &name, format!("{about:?}"), || "each moment must be > 0".into());
+                let is_known = !is_space || !fits || Inertia::Each(about).is_of_a_body([0.0; 3]);
+                faults.require(is_known, &name, format!("{about:?}"), || format!("each {OF_A_BODY}"));
             }
             _ => (),
         }

@@ -6,7 +6,7 @@ use crate::beam::{Beam, Root};
 use crate::fault::{Fault, Faults};
 use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
-use crate::scene::{BeamWithRod, Scene};
+use crate::scene::{BeamWithRod, Scene, WingOfScene};
 
 /// Least share of its area in an inflow zone or a sponge with which a body is refused.
 const IN_ZONE: f64 = 0.5;
@@ -134,10 +134,11 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let (ends, obstacles): (Vec<_>, Vec<_>) = (fluid.r#box.ends().collect(), fluid.obstacles().collect());
     let shapes: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.shape_at(0.0, &ends)).collect();
     check_bodies(fluid, &obstacles, &shapes, faults);
-    if let Some(reason) =
-        wing_at_start(scene).and_then(|wing| misplaced(fluid, &wing, "wing").or_else(|| in_rim(fluid, &wing)))
-    {
-        faults.push(Fault::conflict("wing.mesh", "the mesh of the wing", &reason));
+    for own in scene.wings() {
+        let shape = wing_at_start(scene, &own);
+        if let Some(reason) = shape.and_then(|wing| misplaced(fluid, &wing, "wing").or_else(|| in_rim(fluid, &wing))) {
+            faults.push(Fault::conflict(&format!("{}.mesh", own.key), "the mesh of the wing", &reason));
+        }
     }
     let lines = lines(scene);
     for (j, line) in lines.iter().enumerate() {
@@ -258,15 +259,13 @@ fn bounds_of(words: &str, ends: &[[f64; 2]]) -> String {
     words.to_string() + &each.join(", ")
 }
 
-/// Return the surface of the wing at the start; none without triangles.
-fn wing_at_start(scene: &Scene) -> Option<Shape> {
-    let wing = scene.wing.as_ref().filter(|_| scene.flyer.is_none())?;
-    let (mesh, laws) = (wing.mesh.build(), wing.laws());
-    let nodes = match laws.map(|laws| laws.motion(wing.pivot, 0.0)) {
-        Some(moved) => mesh.nodes.into_iter().map(moved).collect(),
-        None => mesh.nodes,
-    };
-    (!mesh.triangles.is_empty()).then(|| Shape::Surface(Surface::new(nodes, mesh.triangles)))
+/// Return the surface of a wing at the start; none without triangles.
+fn wing_at_start(scene: &Scene, own: &WingOfScene) -> Option<Shape> {
+    let (mut nodes, triangles) = (scene.wing_nodes(own), own.wing.mesh.build().triangles);
+    if let Some(laws) = own.wing.laws() {
+        nodes = nodes.into_iter().map(laws.motion(own.wing.pivot, 0.0)).collect();
+    }
+    (!triangles.is_empty()).then(|| Shape::Surface(Surface::new(nodes, triangles)))
 }
 
 /// Return why `what`, which has this shape, cannot be at its place at t = 0.

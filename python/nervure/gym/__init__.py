@@ -12,9 +12,9 @@ require("gymnasium", "an environment")
 from gymnasium.envs.registration import register  # noqa: E402
 
 from nervure.gym.env import Action, Baseline, Env, Reward, Values  # noqa: E402
-from nervure.gym.tasks import BASELINES  # noqa: E402
+from nervure.gym.tasks import BASELINES, EPISODES  # noqa: E402
 
 __all__ = ["BASELINES", "Action", "Baseline", "Env", "Reward", "Values"]
 
-for name, episode in (("Swimmer", 200), ("Flag", 200), ("Wake", 150), ("Hover", 200)):
+for name, episode in EPISODES.items():
     register(f"nervure/{name}-v0", f"nervure.gym.tasks:{name.lower()}", max_episode_steps=episode)

@@ -177,7 +177,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     by its scale there. `reward(values, action)` sees all of them at the end of the step. An episode begins at one of
     the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still, or follow
     the controller `before`, in whole steps. It ends where `ends(values)` is true, or with the reward `failed` where a
-    unit fails. The folder `cache` keeps the states of the starts for other processes.
+    unit fails, and is truncated by the step that reaches the end of the scene, `time.end`. The folder `cache` keeps the
+    states of the starts for other processes.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - as in its base
@@ -205,8 +206,10 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             if scale == 0 or not math.isfinite(scale):
                 raise InputError(f"{name} has the scale {scale!r}, but must have a finite one other than 0")
         for time in starts:
-            if not (math.isfinite(time) and time >= 0):
-                raise InputError(f"a start is at {time!r} s, but must be at a finite time of at least 0")
+            if not 0 <= time < scene.time.end:
+                raise InputError(
+                    f"a start is at {time!r} s, but must be from 0 to before the end of the scene, {scene.time.end:g} s"
+                )
         if len(starts) == 0:
             raise InputError("there are no starts, but an episode needs one")
         self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, int(steps), ends
@@ -310,7 +313,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         except (UnitError, CouplingError) as failure:
             return self._last, self.failed, True, False, {"time": self.session.time, "error": str(failure)}
         reward, ended = float(self.reward(self.values, targets)), bool(self.ends(self.values))
-        return self._last, reward, ended, False, {"time": self.session.time}
+        truncated = self.session.steps >= self.session.grid.steps
+        return self._last, reward, ended, truncated, {"time": self.session.time}
 
     def render(self) -> np.ndarray | None:
         """Return the picture of the flow as it is now, `[height, width, 3]`, in the mode rgb_array."""

@@ -26,6 +26,7 @@ LEAD = 2 * math.atan(math.tau * BEAT * SERVO) + math.pi * BEAT * SERVO  # Angle 
 GAIN = 1 + (math.tau * BEAT * SERVO) ** 2  # Part by which it shrinks a sine
 LIFT, DAMPING = 0.8, 0.3  # Changes of the stroke by a distance of `REACH` and a climb of `CLIMB`, rad
 UPRIGHT = 2.5e-3  # Time in which the wings turn upright and the stroke begins, s
+EPISODES = {"Swimmer": 200, "Flag": 200, "Wake": 150, "Hover": 200}  # Steps of an episode
 
 
 def swimmer(render_mode: str | None = None) -> Env:
@@ -44,9 +45,10 @@ def swim(_seen: np.ndarray, time: float) -> np.ndarray:
 def flag(render_mode: str | None = None, cache: str | Path | None = None) -> Env:
     """Still a flag that flutters in a stream, by turning its root. Reward: minus the squared displacement of the tip,
     1 at the amplitude without control. An episode begins in one of four phases of the flutter."""
-    step = 0.01
+    step, steps, starts = 0.01, 5, (12.0, 12.25, 12.5, 12.75)
     scene = load("flag-line-480x240").copy(
         {
+            "time.end": starts[-1] + EPISODES["Flag"] * steps * step,
             "time.communication_step": step,
             "fluid.time_stepping.max_step": step,
             "fluid.box.cells": [100, 50],
@@ -62,8 +64,8 @@ def flag(render_mode: str | None = None, cache: str | Path | None = None) -> Env
         [Action("root.angle", -TURN, TURN, lag=0.05)],
         {"tip_uy": FLAG, "tip_vy": GUST, "lift": 0.5, "root.angle": TURN},
         lambda values, _: -((values["tip_uy"] / FLAG) ** 2),
-        steps=5,
-        starts=(12.0, 12.25, 12.5, 12.75),
+        steps=steps,
+        starts=starts,
         failed=-10.0,
         cache=cache,
         render_mode=render_mode,
@@ -78,9 +80,10 @@ def still(seen: np.ndarray, _time: float) -> np.ndarray:
 def wake(render_mode: str | None = None, cache: str | Path | None = None) -> Env:
     """Swim in the wake of a cylinder: heave the leading end of a filament for thrust. Reward: thrust, N/m, less `POWER`
     times the power at the root. An episode begins in one of four phases of the vortex street."""
-    step, place = 0.01, 2.5
+    step, steps, starts, place = 0.01, 10, (30.0, 31.0, 32.0, 33.0), 2.5
     scene = load("filament-swimming-144x48").copy(
         {
+            "time.end": starts[-1] + EPISODES["Wake"] * steps * step,
             "time.communication_step": step,
             "fluid.time_stepping.max_step": step,
             "fluid.box": {"x": [-2.0, 7.0], "y": [-2.0, 2.0], "cells": [120, 54]},
@@ -104,7 +107,8 @@ def wake(render_mode: str | None = None, cache: str | Path | None = None) -> Env
         [Action("root.y", -STROKE, STROKE, lag=0.1)],
         {"probe_ahead_v": 1.0, "cylinder_1_lift": 0.3, "tip_uy": STROKE, "root.y": STROKE, "root.vy": 2.0},
         lambda values, _: -values["beam_drag"] - POWER * values["root_power"],
-        starts=(30.0, 31.0, 32.0, 33.0),
+        steps=steps,
+        starts=starts,
         failed=-10.0,
         cache=cache,
         render_mode=render_mode,
@@ -119,9 +123,10 @@ def slalom(seen: np.ndarray, _time: float) -> np.ndarray:
 def hover(render_mode: str | None = None, cache: str | Path | None = None) -> Env:
     """Hover at a point: flap two wings whose body may only rise and sink. Reward: 1 at the point, less the squared
     distance by `REACH`, where the episode ends. It begins in one of four phases of the stroke."""
-    steps, wing = 10, "wings.{}.wing.mesh.insect.along"
+    steps, starts, wing = 10, [(2 + i / 4) / BEAT for i in range(4)], "wings.{}.wing.mesh.insect.along"
     scene = load(ROOT / "examples" / "flyer-pid.json").copy(
         {
+            "time.end": starts[-1] + EPISODES["Hover"] * SERVO,
             "time.communication_step": SERVO / steps,
             "fluid.time_stepping.max_step": SERVO / steps,
             "fluid.box.cells": [20, 16, 20],
@@ -142,7 +147,7 @@ def hover(render_mode: str | None = None, cache: str | Path | None = None) -> En
         seen,
         lambda values, _: 1 - (values["body_z"] / REACH) ** 2,
         steps=steps,
-        starts=[(2 + i / 4) / BEAT for i in range(4)],
+        starts=starts,
         before=take_off,
         ends=lambda values: abs(values["body_z"]) > REACH,
         cache=cache,

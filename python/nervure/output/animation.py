@@ -1,8 +1,8 @@
 """Animation and phases of a run with --fields-every.
 
 vorticity.gif repeats the last whole periods without a seam, vorticity.mp4 shows them where imageio-ffmpeg is installed,
-and phases.png has four phases of the last period. A rod alone and a wing have motion.png and motion.gif of their own.
-A fluid in space has vortices.png and vortices.gif, too, where pyvista is installed.
+and phases.png has four phases of the last period. Rods without a fluid and wings have motion.png and motion.gif. A
+fluid in space has vortices.png and vortices.gif, too, where pyvista is installed.
 """
 
 import json
@@ -65,17 +65,16 @@ class Frames:
         """Read a folder; `part` is what pictures of the fluid show."""
         h5py = require("h5py", "an animation")
         self.folder = folder
-        if not results.field_files(folder):
+        if not (paths := results.field_files(folder)):
             raise InputError(f"{folder} holds no fields: `nervure run` writes them with --fields-every")
-        there = [name for name in results.FIELDS if (folder / name).exists()] or [FLUID_FIELDS]
-        files: dict[str, Any] = {name: h5py.File(folder / name) for name in there}
-        first = files[there[0]]
+        files: dict[str, Any] = {path.name: h5py.File(path) for path in sorted(paths)}
+        first = files.get(FLUID_FIELDS, next(iter(files.values())))
         self.fluid: Any = files.get(FLUID_FIELDS)
         self.wing: Any = files.get(WING_FIELDS)
         self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
         self.facts = Facts(scene)
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
+        self.beams: list[Any] = [files[fields.beam_file(own)]["VTKHDF"] for own in beams(scene)]
         moves = scene.fluid and flow.poses(scene, str)
         self.moves = self._moves(results.read(folder).series) if moves else []
         self.part = part
@@ -183,22 +182,34 @@ class Frames:
         """Return the places of the bodies (see `flow.poses`)."""
         return [move[frame].tolist() for move in self.moves]
 
-    @cached_property
-    def shapes(self) -> np.ndarray:
-        """The points of a rod alone in each frame, m, `[frames, n, 3]`."""
-        return np.array([self.points(frame) for frame in range(len(self.times))])
+    def lines(self, frame: int) -> list[np.ndarray]:
+        """Return the points of each beam, m, `[n, 3]`."""
+        return [self.points(frame, beam) for beam in range(len(self.beams))]
 
     @cached_property
-    def tip(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times (s) and path of the tip of a rod alone, m, `[times, 3]`: from the series, or else from the frames."""
-        shapes, middle = self.shapes, self.shapes.shape[1] // 2
-        in_space = bool(np.ptp(shapes[..., 2]))
-        path = shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
-        if self.run is None:
-            return self.times, path
-        series = self.run.series
-        moved = np.transpose([series.get(f"tip_u{axis}", np.zeros_like(series["time"])) for axis in "xyz"])
-        return series["time"], path[0] + moved - moved[0]
+    def has_lines(self) -> bool:
+        """Whether the beams are centre lines in space."""
+        return any(beam["Lines/NumberOfCells"][0] for beam in self.beams)
+
+    @cached_property
+    def shapes(self) -> list[np.ndarray]:
+        """The points of each beam in each frame, m, `[frames, n, 3]`."""
+        each = range(len(self.times)), range(len(self.beams))
+        return [np.array([self.points(frame, beam) for frame in each[0]]) for beam in each[1]]
+
+    @cached_property
+    def tips(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Times (s) and paths of the tips of the beams, m, `[times, 3]`: from the series, or else from the frames."""
+        series, paths = self.run.series if self.run else None, []
+        for own, shapes in zip(beams(self.scene), self.shapes, strict=True):
+            middle = shapes.shape[1] // 2
+            path = shapes[:, -1] if self.has_lines else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+            if series:
+                still = np.zeros_like(series["time"])
+                moved = np.transpose([series.get(f"{own.prefix}tip_u{axis}", still) for axis in "xyz"])
+                path = path[0] + moved - moved[0]
+            paths.append(path)
+        return (series["time"] if series else self.times), paths
 
     def between(self, begin: float, end: float) -> list[int]:
         """Return the frames from `begin` to before `end` (s)."""
@@ -209,7 +220,7 @@ def write(
     folder: Path, begin: float | None, end: float | None, part: Part = ALL, look: vortices.Look = PLAIN
 ) -> list[Path]:
     """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s), and phases.png, into a result
-    folder; of a rod alone or a wing motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png,
+    folder; of rods alone or wings motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png,
     vortices.gif and vortices.mp4 where pyvista is installed. Return their paths."""
     try:
         frames = Frames(folder, part)
@@ -346,55 +357,59 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
 
 
 def motion(frames: Frames, chosen: list[int], path: Path) -> None:
-    """Draw the path of the tip of a rod alone over the whole run, coloured by time, and its shapes at `chosen`."""
-    times, of_tip = frames.tip
-    picture = RodPicture(frames.scene, frames.shapes, of_tip, plots.WIDTH)
-    picture.draw_path(of_tip, times)
+    """Draw the paths of the tips of rods over the whole run, coloured by time, and their shapes at `chosen`."""
+    times, of_tips = frames.tips
+    picture = RodPicture(frames.scene, frames.shapes, of_tips, plots.WIDTH, in_space=frames.has_lines)
+    picture.draw_paths(of_tips, times)
     for number in np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int)):
-        picture.add(frames.shapes[chosen[number]], color="0.3", linewidth=0.7)
+        for shapes in frames.shapes:
+            picture.add(shapes[chosen[number]], color="0.3", linewidth=0.7)
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
-    picture.caption.set_text(f"rod from {first} to {last} {picture.clock}")
+    what = "rod" if len(of_tips) == 1 else "rods"
+    picture.caption.set_text(f"{what} from {first} to {last} {picture.clock}")
     plots.save(picture.figure, path)
 
 
 def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
-    """Return pictures of a rod alone with the path of its tip, `[height, width, 3]` of bytes; at most `FILM`."""
-    _, of_tip = frames.tip
-    picture = RodPicture(frames.scene, frames.shapes, of_tip, WIDTH)
-    picture.draw_path(of_tip)
-    lines = picture.add(frames.shapes[0], color=plots.BLUE, linewidth=1.5)
+    """Return pictures of rods with the paths of their tips, `[height, width, 3]` of bytes; at most `FILM`."""
+    _, of_tips = frames.tips
+    picture = RodPicture(frames.scene, frames.shapes, of_tips, WIDTH, in_space=frames.has_lines)
+    picture.draw_paths(of_tips)
+    rods = [(shapes, picture.add(shapes[0], color=plots.BLUE, linewidth=1.5)) for shapes in frames.shapes]
 
     def show(frame: int) -> None:
-        for line, view in zip(lines, picture.views, strict=True):
-            line.set_data(*picture.line(frames.shapes[frame], view))
+        for shapes, lines in rods:
+            for line, view in zip(lines, picture.views, strict=True):
+                line.set_data(*picture.line(shapes[frame], view))
         picture.caption.set_text(frames.title(frame))
 
     return filmed(picture.figure, chosen[:: -(-len(chosen) // FILM)], show)
 
 
 def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
-    """Write motion.png and the films of wings with the paths of their tips."""
+    """Write motion.png and the films of wings with the paths of their tips, and of the rods beside them."""
     scene, mesh = frames.scene, frames.facts.wing
     assert mesh is not None, "the file is of wings"
     count = len(mesh.nodes)
     shapes = np.array(frames.wing["VTKHDF/Points"][: len(frames.times) * count]).reshape(-1, count, 3)[chosen]
-    paths = _paths_of_tips(frames, mesh, chosen)
-    still = WingPicture(scene, mesh, shapes, np.concatenate(paths), plots.WIDTH)
+    paths, rods = _paths_of_tips(frames, mesh, chosen), [frames.lines(frame) for frame in chosen]
+    others = np.concatenate([*paths, *(line for lines in rods for line in lines)])
+    still = WingPicture(scene, mesh, shapes, others, plots.WIDTH)
     for number in np.unique(np.linspace(0, len(chosen) - 1, WINGS).round().astype(int))[:-1]:
-        still.add(shapes[number])
+        still.add(shapes[number], rods[number])
     for path in paths:
         still.draw_path(path)
-    still.show(shapes[-1])
+    still.show(shapes[-1], rods[-1])
     first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
     still.caption.set_text(f"t = {first} to {last} {still.clock}")
     plots.save(still.figure, folder / "motion.png")
 
-    picture = WingPicture(scene, mesh, shapes, np.concatenate(paths), WIDTH)
+    picture = WingPicture(scene, mesh, shapes, others, WIDTH)
     for path in paths:
         picture.draw_path(path)
 
     def show(place: int) -> None:
-        picture.show(shapes[place])
+        picture.show(shapes[place], rods[place])
         picture.caption.set_text(frames.title(chosen[place]))
 
     pictures = filmed(picture.figure, range(0, len(chosen), -(-len(chosen) // FILM)), show)

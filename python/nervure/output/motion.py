@@ -1,5 +1,6 @@
-"""Pictures of a rod alone, in the plane or in space from above, from the front and from the side."""
+"""Pictures of rods without a fluid, in the plane or in space from above, from the front and from the side."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,15 @@ PAPER = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}  
 
 
 class RodPicture:
-    """Axes for a rod, all views to one scale and large enough for the shapes `points`, `[frames, n, 3]`, and the path
-    of the tip, `[times, 3]`, both in m and of the whole run."""
+    """Axes for rods, all views to one scale and large enough for the `shapes` of each, `[frames, n, 3]`, and the paths
+    of their tips, `[times, 3]`, both in m and of the whole run. In space shapes are centre lines, else outlines."""
 
-    def __init__(self, scene: Scene, points: np.ndarray, path: np.ndarray, width: float):
-        everything = np.concatenate([points.reshape(-1, 3), path])
+    def __init__(
+        self, scene: Scene, shapes: Sequence[np.ndarray], paths: Sequence[np.ndarray], width: float, *, in_space: bool
+    ):
+        everything = np.concatenate([points.reshape(-1, 3) for points in (*shapes, *paths)])
         low, high = everything.min(axis=0), everything.max(axis=0)
-        self.in_space = bool(high[2] > low[2])
+        self.in_space = in_space
         largest = (high - low).max()
         half = np.maximum(high - low, FLAT * largest) / 2 + MARGIN * largest
         low, high = (low + high) / 2 - half, (low + high) / 2 + half
@@ -52,19 +55,19 @@ class RodPicture:
         self.caption = self.grid[0, -1].set_title("", loc="right", fontsize="small")
         self.clock = displayed_unit("s", scene.display)[0]
 
-    def draw_path(self, path: np.ndarray, times: np.ndarray | None = None) -> None:
-        """Draw the path of the tip, in grey, or with its `times` (s) in colours and their bar."""
+    def draw_paths(self, paths: Sequence[np.ndarray], times: np.ndarray | None = None) -> None:
+        """Draw the paths of tips, in grey, or with their `times` (s) in colours and their bar."""
         for view, axis in self.views.items():
-            line = self.scale * path[:, view]
-            if times is None:
-                axis.plot(*line.T, color="0.75", linewidth=0.8, scalex=False, scaley=False)
-                continue
-            scale = Normalize(times[0], times[-1])
-            pieces = LineCollection(
-                list(np.stack([line[:-1], line[1:]], axis=1)), cmap=SCALE, norm=scale, linewidth=0.8
-            )
-            pieces.set_array(times[:-1])
-            axis.add_collection(pieces, autolim=False)
+            for line in (self.scale * path[:, view] for path in paths):
+                if times is None:
+                    axis.plot(*line.T, color="0.75", linewidth=0.8, scalex=False, scaley=False)
+                    continue
+                scale = Normalize(times[0], times[-1])
+                pieces = LineCollection(
+                    list(np.stack([line[:-1], line[1:]], axis=1)), cmap=SCALE, norm=scale, linewidth=0.8
+                )
+                pieces.set_array(times[:-1])
+                axis.add_collection(pieces, autolim=False)
         if times is not None:
             place, _, ticks = layout.bar(self.figure, self.grid)
             label = axis_label("time at the tip", self.clock)

@@ -1,5 +1,6 @@
-"""Pictures of wings in space: their meshes with roots and veins, and their shapes over time."""
+"""Pictures of wings in space, with rods beside them: their meshes with roots and veins, and their shapes over time."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,8 @@ from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Line3D, Poly3DCollection  # type: ignore[import-untyped]
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots, title
-from nervure.output.fields import wing_nodes
-from nervure.scene import Scene
+from nervure.output.fields import station_positions, wing_nodes
+from nervure.scene import Scene, beams
 from nervure.scene.facts import WingMesh
 from nervure.simulation.session import Session
 
@@ -19,7 +20,7 @@ FLAT = 0.15  # Least extent of the axes, relative to the largest
 LIGHT = np.array([0.3, -0.4, 0.87])  # Direction of the light
 DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
 ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
-VEIN, ROOT, MESH = 1.2, 2.4, 0.15  # Widths of lines
+VEIN, ROOT, ROD, MESH = 1.2, 2.4, 1.8, 0.15  # Widths of lines
 LABEL = 8.0  # Distance of the label of an axis, points
 TALL = 0.83  # Height of a tall box in its axes, by that of a box of matplotlib's own size
 SIN, COS = np.sin(np.radians([ABOVE, ASIDE])), np.cos(np.radians([ABOVE, ASIDE]))
@@ -32,11 +33,11 @@ TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, i
 
 
 class WingPicture:
-    """Axes in true proportions for wings, large enough for the shapes `points`, `[frames, n, 3]`, and the `path` of
-    their tips, `[times, 3]`, m. What is drawn may be wider than their square."""
+    """Axes in true proportions for wings, large enough for the shapes `points`, `[frames, n, 3]`, and for the paths of
+    their tips and the rods, `others`, `[m, 3]`, m. What is drawn may be wider than their square."""
 
-    def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, path: np.ndarray, width: float):
-        everything = np.concatenate([points.reshape(-1, 3), path])
+    def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, others: np.ndarray, width: float):
+        everything = np.concatenate([points.reshape(-1, 3), others])
         low, high = everything.min(axis=0), everything.max(axis=0)
         half = np.maximum(high - low, FLAT * (high - low).max()) / 2
         named, self.scale = lengths_in(scene, float(np.abs(everything).max()))
@@ -66,6 +67,7 @@ class WingPicture:
         self.axes.add_collection3d(self.skin, autolim=False)
         self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
         self.roots = [self._line(ROOT, "0.15") for _ in mesh.roots]
+        self.rods = [self._line(ROD, plots.ORANGE) for _ in beams(scene)]
         self.figure.suptitle(title(scene, width - 2.0), fontsize="small", x=0.02, ha="left")
         self.caption = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
         self.clock = displayed_unit("s", scene.display)[0]
@@ -74,8 +76,8 @@ class WingPicture:
         line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2, clip_on=False)[0]
         return line
 
-    def show(self, points: np.ndarray) -> None:
-        """Show a shape, `[n, 3]`, m."""
+    def show(self, points: np.ndarray, rods: Sequence[np.ndarray] = ()) -> None:
+        """Show a shape, `[n, 3]`, and the centre lines of the rods, each `[stations, 3]`, m."""
         placed = self.scale * points
         corners = placed[self.mesh.triangles]
         self.skin.set_verts(corners)
@@ -83,18 +85,25 @@ class WingPicture:
         chains = zip([*self.veins, *self.roots], [*self.mesh.veins, *self.mesh.roots], strict=True)
         for line, nodes in chains:
             line.set_data_3d(*placed[nodes].T)
+        for line, stations in zip(self.rods, rods, strict=False):
+            line.set_data_3d(*(self.scale * stations).T)
 
-    def add(self, points: np.ndarray) -> None:
-        """Add a shape in a light tone behind the shape that is shown."""
+    def add(self, points: np.ndarray, rods: Sequence[np.ndarray] = ()) -> None:
+        """Add a shape and the rods in a light tone behind those that are shown."""
         corners = self.scale * points[self.mesh.triangles]
         look: dict[str, Any] = {"alpha": 0.25, "linewidths": 0.0, "zorder": 0, "clip_on": False}
         skin = Poly3DCollection(corners, facecolors=shades(corners), **look)
         self.axes.add_collection3d(skin, autolim=False)
+        for stations in rods:
+            self._draw(stations, plots.ORANGE, alpha=0.25)
 
     def draw_path(self, path: np.ndarray) -> None:
         """Draw the path of the tip, `[times, 3]`, m."""
-        look: dict[str, Any] = {"color": "0.6", "linewidth": 0.8, "zorder": 0, "clip_on": False}
-        self.axes.plot(*(self.scale * path.T), scalex=False, scaley=False, **look)
+        self._draw(path, "0.6")
+
+    def _draw(self, line: np.ndarray, colour: str, alpha: float = 1.0) -> None:
+        look: dict[str, Any] = {"color": colour, "alpha": alpha, "linewidth": 0.8, "zorder": 0, "clip_on": False}
+        self.axes.plot(*(self.scale * line.T), scalex=False, scaley=False, **look)
 
 
 def shades(corners: np.ndarray) -> np.ndarray:
@@ -128,9 +137,9 @@ def save_mesh(scene: Scene, mesh: WingMesh, folder: Path) -> Path:
 
 
 def draw(session: Session, mesh: WingMesh) -> Figure:
-    """Draw the wings of a session as they are now."""
-    points = wing_nodes(session)
-    picture = WingPicture(session.scene, mesh, points[None], NOWHERE, plots.WIDTH)
-    picture.show(points)
+    """Draw the wings and rods of a session as they are now."""
+    points, rods = wing_nodes(session), [station_positions(session.units, own) for own in beams(session.scene)]
+    picture = WingPicture(session.scene, mesh, points[None], np.concatenate([NOWHERE, *rods]), plots.WIDTH)
+    picture.show(points, rods)
     picture.caption.set_text(f"t = {session.time:.3f} {picture.clock}")
     return picture.figure

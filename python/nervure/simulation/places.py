@@ -1,4 +1,4 @@
-"""Warnings of a run about the places of bodies, rods and the wing; the rules stand in `crates/scene` (`monitor.rs`)."""
+"""Warnings of a run about the places of bodies, rods and wings; the rules stand in `crates/scene` (`monitor.rs`)."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from nervure import library
-from nervure.scene import text
+from nervure.scene import text, wings
 from nervure.scene.facts import Facts
 from nervure.scene.solids import pose_names
 from nervure.units.fmu import Unit
@@ -21,7 +21,7 @@ class Places:
     """Checks the places of the parts of a run now and then, and warns of each thing once."""
 
     def __init__(self, facts: Facts, units: Mapping[str, Unit]):
-        self.monitor, fluid, wing = library.monitor(text(facts.scene)), units.get("fluid"), units.get("wing")
+        self.monitor, fluid = library.monitor(text(facts.scene)), units.get("fluid")
         self.bodies: list[Reader | None] = []
         if part := facts.scene.fluid:
             for k, body in enumerate(part.bodies, 1):
@@ -29,7 +29,7 @@ class Places:
                 self.bodies.append(_reader(fluid, names) if body.mount or body.motion == "master" else None)
         rods = [units.get(own.unit) for own in facts.beams]
         self.beams = [_reader(rod, ["x", "y", "z"]) or _reader(rod, ["x", "y"]) for rod in rods]
-        self.wing = _reader(wing, ["x", "y", "z"])
+        self.wings = [_reader(units.get(name), ["x", "y", "z"]) for name in wings(facts.scene)]
         self.memory: dict[str, Any] | None = None
         """What the library has to know of earlier times: where parts were at the first time, and what it warned of."""
 
@@ -39,7 +39,7 @@ class Places:
             "time": t,
             "bodies": [pose and pose()[0].tolist() for pose in self.bodies],
             "beams": [stations and stations().tolist() for stations in self.beams],
-            "wing": self.wing and self.wing().tolist(),
+            "wings": [nodes and nodes().tolist() for nodes in self.wings],
             "memory": self.memory,
         }
         answer = self.monitor(places)

@@ -52,6 +52,17 @@ class Share:
         seen = np.array(self.values) - self.values[0] + self.error(finest)
         return float(np.interp(math.log(size), np.log(self.sizes), seen))
 
+    def bar(self, size: float = 1.0) -> float:
+        """Return the 95 % bound of the error at a relative size, where nothing is corrected: that of the finest run and
+        the difference from it; of sizes beyond those of the runs at the least or the largest order."""
+        finest, coarsest = self.sizes[0], self.sizes[-1]
+        if size < finest:
+            return self.uncertainty * size / finest
+        apart = np.zeros(len(self.values)) if self.kind == "noise" else np.abs(np.array(self.values) - self.values[0])
+        known = min(size, coarsest)
+        bound = self.uncertainty + float(np.interp(math.log(known), np.log(self.sizes), apart))
+        return bound * (size / known) ** 2
+
 
 def is_part(name: str, parameters: Container[str]) -> bool:
     """Return whether the errors of a parameter are part of those of another one: steps follow the cells."""
@@ -70,8 +81,7 @@ class Quantity:
     shares: dict[str, Share]  # By parameter, the first of which has the steps too
 
     def error(self, sizes: Mapping[str, float]) -> float:
-        """Return the largest error at relative `sizes`: that by the first parameter, and the bars. Those of the others
-        bound their errors at the size 1, and change with it at the least or the largest order."""
+        """Return the largest error at relative `sizes`: that by the first parameter, and the bars."""
         (first, main), *others = self.shares.items()
         beside, bars = 0.0, [main.uncertainty]
         for name, share in others:
@@ -79,7 +89,7 @@ class Quantity:
             if is_part(name, self.shares):
                 beside = abs(share.error(size / sizes.get(first, 1.0)) - share.error(1.0))
             else:
-                bars.append(share.uncertainty * (size if size < 1 else size**2))
+                bars.append(share.bar(size))
         return abs(main.error(sizes.get(first, 1.0))) + beside + math.hypot(*bars)
 
 

@@ -53,9 +53,18 @@ def combine(shares: Mapping[str, Share]) -> tuple[float, float, float]:
     """Return the value of the finest run of the first parameter, its limit as the sizes of all parameters vanish, and
     its 95 % bar. The other parameters were varied on coarse runs: their errors widen the bar, and correct nothing."""
     first = next(iter(shares.values()))
-    counted = [share for name, share in shares.items() if not is_part(name, shares)]
     limit = first.values[0] - first.error(first.sizes[0])
-    return first.values[0], limit, math.hypot(*(share.uncertainty for share in counted))
+    return first.values[0], limit, math.hypot(*bars(shares).values())
+
+
+def bars(shares: Mapping[str, Share]) -> dict[str, float]:
+    """Return the bars of a quantity by parameter: of the limit by the first one, by the others at the size 1."""
+    first, *_ = shares
+    return {
+        name: share.uncertainty if name == first else share.bar()
+        for name, share in shares.items()
+        if not is_part(name, shares)
+    }
 
 
 @dataclass(frozen=True)

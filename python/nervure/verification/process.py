@@ -19,7 +19,7 @@ from nervure.simulation.summary import Summary, is_force
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
-from nervure.verification.estimate import combine, estimate, noise_of
+from nervure.verification.estimate import bars, combine, estimate, noise_of
 from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
 
 START = 3.0  # Wall time that workers take to start, s, until it is measured
@@ -140,10 +140,10 @@ class Verification:
         if not found or all(one.uncertainty <= self.within * one.scale for one in found.values()):
             return f"fewer than {LEAST} runs of {self.plan.first.name} gave values: {why}"
         name, widest = max(found.items(), key=lambda own: own[1].uncertainty / own[1].scale)
-        bars = _bars(widest)
+        made_by = bars(widest.shares)
         return (
             f"the budget is not used up: ± {widest.uncertainty / widest.scale:.2g} of {name} comes mostly from "
-            f"{max(bars, key=lambda own: bars[own])}, and {why}"
+            f"{max(made_by, key=lambda own: made_by[own])}, and {why}"
         )
 
     def _first_round(self) -> list[Setting]:
@@ -454,26 +454,20 @@ class Verification:
 
 
 def _matters(wide: Sequence[Quantity], parameter: str, limit: float) -> bool:
-    """Return whether a parameter makes much of a bar that is too wide: more than `limit`, and half as much as any, or
-    most of it."""
+    """Return whether a parameter makes much of a bar that is too wide, more than `limit`, and half as much as any, or
+    most of it; and whether a run could narrow it: not the difference of the finest run from the size 1."""
     for one in wide:
-        bars = _bars(one)
-        most = max(bars.values())
-        if bars.get(parameter, 0.0) >= min(most, max(limit * one.scale, most / 2)):
+        made_by = bars(one.shares)
+        most, own = max(made_by.values()), made_by.get(parameter, 0.0)
+        if own >= min(most, max(limit * one.scale, most / 2)) and one.shares[parameter].uncertainty >= SHARED * own:
             return True
     return False
-
-
-def _bars(quantity: Quantity) -> dict[str, float]:
-    """Return the bars of a quantity by parameter."""
-    shares = quantity.shares
-    return {name: share.uncertainty for name, share in shares.items() if not is_part(name, shares)}
 
 
 def _beyond(found: dict[str, Quantity], parameter: str, within: float) -> bool:
     """Return whether the bar by a parameter is wider than its part of the tolerance."""
     shares = [(one, share) for one in found.values() if (share := one.shares.get(parameter))]
-    return any(share.uncertainty > SHARED * within * one.scale for one, share in shares)
+    return any(share.bar() > SHARED * within * one.scale for one, share in shares)
 
 
 def _expected(quantity: Quantity, relative: Factors, finest: float, first: str) -> float:
