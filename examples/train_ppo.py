@@ -1,7 +1,5 @@
 """Train controllers of a task by PPO, draw how they learn beside the classical one, and write the best as a policy.
 
-`Hover` is learned as the amplitude of its stroke, which is no input of the scene, so its policy is not written.
-
 python examples/train_ppo.py nervure/Flag-v0 learned --seeds 5 --steps 30000
 needs `pip install stable-baselines3`; `drive_policy.py` runs a policy as a drive.
 """
@@ -10,7 +8,6 @@ import argparse
 import json
 from functools import partial
 from pathlib import Path
-from typing import Any, SupportsFloat
 
 import gymnasium
 import matplotlib.pyplot as plt
@@ -20,34 +17,11 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.monitor import Monitor
 
 from nervure.gym import BASELINES, Baseline, Env
-from nervure.gym.tasks import SWEEP, SWEEPS, beat
-
-HOVER = "nervure/Hover-v0"
-
-
-class Strokes(gymnasium.Wrapper[np.ndarray, np.ndarray, np.ndarray, np.ndarray]):
-    """`Hover`, whose action is the amplitude of the stroke, rad: the hinges beat as under the classical controller."""
-
-    def __init__(self, env: gymnasium.Env[np.ndarray, np.ndarray]):
-        super().__init__(env)
-        self.action_space = gymnasium.spaces.Box(*SWEEPS, (1,), np.float64)
-        self.time = 0.0
-
-    def reset(self, **keywords: Any) -> tuple[np.ndarray, dict[str, Any]]:
-        seen, info = self.env.reset(**keywords)
-        self.time = info["time"]
-        return seen, info
-
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict[str, Any]]:
-        *answer, info = self.env.step(beat(float(action[0]), self.time))
-        self.time = info["time"]
-        return *answer, info
 
 
 def make(task: str) -> gymnasium.Env[np.ndarray, np.ndarray]:
     """Return the task with actions from -1 to 1."""
-    env = gymnasium.make(task)
-    return gymnasium.wrappers.RescaleAction(Strokes(env) if task == HOVER else env, np.float64(-1), np.float64(1))
+    return gymnasium.wrappers.RescaleAction(gymnasium.make(task), np.float64(-1), np.float64(1))
 
 
 def judged(env: gymnasium.Env[np.ndarray, np.ndarray], control: Baseline) -> float:
@@ -95,9 +69,7 @@ def main() -> None:
     plain = gymnasium.make(given.task)
     own = plain.unwrapped
     assert isinstance(own, Env)
-    # Without control the flyer beats evenly; what else acts is at rest.
-    none = judged(plain, lambda _, time: beat(SWEEP, time) if given.task == HOVER else np.zeros(own.low.shape))
-    classical = judged(plain, BASELINES[given.task])
+    none, classical = judged(plain, lambda _seen, _time: np.zeros(own.low.shape)), judged(plain, BASELINES[given.task])
     curves: list[tuple[np.ndarray, np.ndarray]] = []
     best: tuple[float, dict[str, object]] = (-np.inf, {})
     for seed in range(given.seeds):
@@ -113,9 +85,8 @@ def main() -> None:
         if learned > best[0]:
             best = learned, policy(model, own)
         env.close()
-    if given.task != HOVER:
-        (given.output / "policy.json").write_text(json.dumps(best[1]), encoding="utf-8")
-        (given.output / "scene.json").write_text(json.dumps(own.session.scene.document(), indent=2), encoding="utf-8")
+    (given.output / "policy.json").write_text(json.dumps(best[1]), encoding="utf-8")
+    (given.output / "scene.json").write_text(json.dumps(own.session.scene.document(), indent=2), encoding="utf-8")
     plain.close()
     figure, axis = plt.subplots(figsize=(6, 3.2), layout="constrained")
     for steps, sums in curves:

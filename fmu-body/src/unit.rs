@@ -30,6 +30,8 @@ pub struct BodyUnit {
     time: f64,
     /// Rotation vector from rest, continuous in time.
     pub angle: [f64; 3],
+    /// Room for the turn of a root that is read, row by row.
+    pub rotation: [f64; 9],
 }
 
 /// A hinge with what it carries.
@@ -105,6 +107,7 @@ impl BodyUnit {
             fluid,
             time: 0.0,
             angle: [0.0; 3],
+            rotation: [0.0; 9],
             own,
             scene,
         })

@@ -160,12 +160,13 @@ fn root(
         }));
         return list;
     }
-    for i in 0..9 {
-        let (name, text) = (format!("{prefix}rotation[{}]", i + 1), format!("Turn of the root {when}"));
-        list.push(Real::computed(name, "1", text, move |m: &mut BodyUnit| {
-            read(m).orientation.to_rotation_matrix()[(i / 3, i % 3)]
-        }));
-    }
+    let text = format!("Turn of the root {when}");
+    let rotation = Real::output(format!("{prefix}rotation"), "1", text, move |m: &mut BodyUnit| {
+        let turn = read(m).orientation.to_rotation_matrix();
+        m.rotation = std::array::from_fn(|i| turn[(i / 3, i % 3)]);
+        &m.rotation[..]
+    });
+    list.push(rotation.array(9));
     list.extend(along_axes(3, |d, axis| {
         output(format!("omega_{axis}"), "rad/s", "Angular velocity", |at| at.omega.into(), d)
     }));

@@ -158,11 +158,7 @@ def hover(render_mode: str | None = None, cache: str | Path | None = None) -> En
 def flap(seen: np.ndarray, time: float) -> np.ndarray:
     """Flap with a stroke that is the larger, the lower the body is and the faster it sinks."""
     height, climb, *_ = seen
-    return beat(min(max(SWEEP - LIFT * height - DAMPING * climb, SWEEPS[0]), SWEEPS[1]), time)
-
-
-def beat(sweep: float, time: float) -> np.ndarray:
-    """Return where the hinges go for a stroke of the amplitude `sweep`, rad."""
+    sweep = min(max(SWEEP - LIFT * height - DAMPING * climb, SWEEPS[0]), SWEEPS[1])
     phase = math.tau * BEAT * time + LEAD
     turned = math.tanh(SUDDEN * math.cos(phase + EARLY)) / math.tanh(SUDDEN)
     sweep, pitch = GAIN * sweep * math.sin(phase), math.pi / 2 - PITCH * turned
