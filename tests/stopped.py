@@ -8,6 +8,7 @@ one are in the files. No pictures are drawn.
 
 import os
 import sys
+from unittest.mock import patch
 
 from nervure.cli import main
 from nervure.output.pictures import Pictures
@@ -27,6 +28,6 @@ if __name__ == "__main__":
         if loop.steps <= last - 3:
             keep(kept, loop)
 
-    TimeLoop._notify, Checkpoint.step = stop, keep_early  # type: ignore[method-assign]
-    Pictures.finish = lambda self, results: None  # type: ignore[method-assign]
-    main()
+    undrawn = patch.object(Pictures, "finish", lambda self, results: None)
+    with patch.object(TimeLoop, "_notify", stop), patch.object(Checkpoint, "step", keep_early), undrawn:
+        main()
