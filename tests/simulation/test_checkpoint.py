@@ -121,6 +121,7 @@ def test_ctrl_c_keeps_a_checkpoint_that_nobody_asked_for(scenes, tmp_path):
 
 def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
     scene = scenes["rod"]
+    scene["time"]["end"] = 0.1
     turning = {"sine": {"amplitude": 3.0, "frequency": 1000.0, "ramp": 0.05}}
     scene["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": turning}]}}  # too far in a step from 0.04 s on
     path, folder = tmp_path / "scene.json", tmp_path / "results"
