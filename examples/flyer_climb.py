@@ -1,4 +1,4 @@
-"""A drive that lets the flyer of `flyer_pid.py` climb, with faster wings, by a body's height in four strokes.
+"""A drive that lets the flyer of `flyer_pid.py` climb, with faster wings, by its body's height in five strokes.
 
 nervure run examples/flyer-pid.json --drive examples/flyer_climb.py
 """

@@ -89,7 +89,7 @@ class Unit:
 
     def __init__(self, path: Path, name: str, stop_time: float | None):
         self.name, self.stop_time = name, stop_time
-        self.seconds = 0.0  # Wall time spent on steps and rollback
+        self.seconds = 0.0  # Wall time spent on steps, rollback and answers that are worked out when they are read
         self.fmu: Any = None
         self._folder: str | None = None
         self._step: tuple[float, float] | None = None  # The last step: its time and its length, s
@@ -313,7 +313,7 @@ class Unit:
         def read() -> np.ndarray:
             start = perf_counter()
             self._check(self._get_reals(*arguments), "gave no outputs")
-            self.seconds += perf_counter() - start  # A unit may work for an answer: a wing for its reaction
+            self.seconds += perf_counter() - start
             return values.reshape(len(names), -1).T.copy()
 
         return read
