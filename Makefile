@@ -278,6 +278,10 @@ gallery-space: build $(READY_DEV) ## make the pictures of wing, flyer and plate 
 	$(NERVURE) run examples/flyer-pid.json --drive examples/flyer_pid.py --fields-every 0.00025 --output results/space/flyer --force --quiet
 	$(NERVURE) animate results/space/flyer --begin 0.045 --end 0.05
 	cp results/space/flyer/vortices.gif docs/pictures/flyer-vortices.gif
+	$(NERVURE) run examples/flyer-pid.json --drive examples/flyer_climb.py --fields-every 0.00025 --output results/space/climb --force --quiet \
+	--set "description=A flyer that climbs under flyer_climb.py."
+	$(NERVURE) animate results/space/climb --begin 0.02
+	cp results/space/climb/motion.gif docs/pictures/flyer-climb.gif
 	$(NERVURE) run plate-stream-96x72x72 --end-time 12 --fields-every 0.25 --output results/space/plate --force --quiet
 	$(NERVURE) animate results/space/plate --begin 3 --end 12
 	cp results/space/plate/vortices.gif docs/pictures/plate-stream.gif

@@ -53,6 +53,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
         "crates/wing/Cargo.toml",
         "fmu-wing/src/**/*.rs",
     ),
+    "body": ("crates/rigid/src/**/*.rs", "crates/rigid/Cargo.toml", "fmu-body/src/**/*.rs", "examples/flyer_*.py"),
     "wing cost": ("crates/wing/examples/*.rs",),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/simulation/loop.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py", "python/nervure/simulation/summary.py"),
