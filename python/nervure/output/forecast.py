@@ -118,17 +118,17 @@ def _warnings(facts: Facts) -> Iterator[str]:
                 below, above = (next(filter(is_fast, count(cells, step))) for step in (-unit, unit))
                 cause = f"{cells} cells{whose} along {axis} have a prime factor above {FACTORS[-1]}"
                 yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
+    # A run of a benchmark shows the errors that these ranges are about.
+    is_compared = scene.reference is not None and not benchmark.changed(scene)
     sides = dict(zip("xyz", cell_lengths(scene.fluid), strict=False))
     long, short = (pick(sides, key=lambda axis: sides[axis]) for pick in (max, min))
     is_masked = bool(scene.fluid.channel or scene.fluid.cylinders or scene.fluid.bodies or facts.beams)
-    if is_masked and sides[long] > OBLONG * sides[short]:
+    if is_masked and not is_compared and sides[long] > OBLONG * sides[short]:
         times = f"{sides[long] / sides[short]:.3g} times as long along {long} as along {short}"
         yield f"cells are {times}; a mask is as blurred as by the longer side: finer cells along {long} help"
     if numbers is None:
         return
     lines = facts.lines
-    # A run of a benchmark shows the errors that these ranges are about.
-    is_compared = scene.reference is not None and not benchmark.changed(scene)
     for name, body in numbers.bodies.items():
         if name not in lines and not is_compared:
             yield from _unresolved(name, body)
