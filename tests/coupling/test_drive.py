@@ -180,6 +180,9 @@ def test_a_state_that_no_checkpoint_holds_is_refused_before_the_run(driver):
     Odd.restore = lambda _self, _state: None
     with pytest.raises(InputError, match="must hold numbers, texts, lists and dictionaries only"):
         driver(Odd(), [])
+    Odd.state = lambda self: self.total
+    with pytest.raises(InputError, match=r"cannot give its state: AttributeError: .*'total' \(test_drive.py, line"):
+        driver(Odd(), [])
 
 
 def test_a_drive_for_a_scene_that_leaves_nothing_open_is_refused(libraries, rod_only):

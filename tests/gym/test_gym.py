@@ -1,5 +1,6 @@
 """Scenes as environments of gymnasium."""
 
+import math
 import runpy
 import time
 
@@ -200,6 +201,14 @@ def test_an_action_or_a_start_that_is_none_is_refused(env):
             env.step(np.array(action))
     with pytest.raises(InputError, match="the option start is 2, but must be from 0 to 1"):
         env.reset(options={"start": 2})
+
+
+@pytest.mark.parametrize("reward", [math.nan, None, "much"])
+def test_a_reward_that_is_no_number_is_refused(reward):
+    with gym.Env(load(PLATE), [TURN], {"tip_uy": 1.0}, lambda _v, _a: reward) as env:
+        env.reset(seed=0)
+        with pytest.raises(InputError, match=f"the reward is {reward!r} at t = .* s, but must be a finite number"):
+            env.step(np.zeros(1))
 
 
 def test_a_closed_environment_says_so():

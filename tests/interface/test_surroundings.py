@@ -92,6 +92,18 @@ def test_any_true_answer_to_a_step_ends_the_run(answer, tmp_path):
         (lambda scene: type(scene.beam)(length=1.0), "the key `root` is missing"),
         (lambda scene: scene.copy({"beam.segmens": 8}), "unknown key `beam.segmens`: did you mean segments?"),
         (lambda scene: scene.copy(rod=3), "`rod` is 3, but must be an object"),
+        (
+            lambda scene: scene.copy({"rod.root": {"torsion": {}}}),
+            "unknown key `rod.root.torsion`: did you mean torsion_spring?",
+        ),
+        (
+            lambda scene: scene.copy({"rod.root": {}}),
+            "`rod.root` is empty, but must have one of the keys torsion_spring, free",
+        ),
+        (
+            lambda scene: scene.copy({"rod.root": {"free": {}, "torsion_spring": {"stiffness": 1}}}),
+            "`rod.root` has free, torsion_spring, but must have one of the keys free, torsion_spring",
+        ),
     ],
 )
 def test_what_does_not_fit_a_key_is_said_in_a_sentence(change, said, rod_only):

@@ -78,6 +78,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
                 "2.43 cells in the thickness of beam are few: a first look wants 2.5, forces within some per cent 5",
             ],
         ),
+        (["fluid.box.cells=[1300, 500]", "reference=null"], ["cells are 1.74 times as long along x as along y"]),
         (["fluid.box.cells=[1292, 286]"], ["three times as long; 1287 and 1296 have none"]),
         (["fluid.kinematic_viscosity=5e-4"], ["Re is 400; forces were compared with published ones from 20 to 200"]),
         (["rod.material.plane_strain.density=1e7"], ["the rod weighs 1e+04 of the fluid it displaces"]),

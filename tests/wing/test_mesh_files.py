@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from nervure.errors import InputError, SceneError
+from nervure.resources import ROOT
 from nervure.scene import load, read, with_files, write_copy
 from nervure.scene.types import WingMeshFile
 from nervure.simulation import sweep
@@ -67,6 +68,20 @@ def test_a_file_is_named_on_the_command_line_and_no_unit_reads_it(scene, tmp_pat
     assert len(found.nodes) == len(POINTS)
     with pytest.raises(SceneError, match=r"`wing.mesh.file` is \"wing.stl\".* only `nervure` reads files"):
         describe("wing", WING | {"wing": WING["wing"] | {"mesh": {"file": "wing.stl"}}})
+
+
+def test_each_of_several_wings_has_its_file(tmp_path):
+    """A wing in `wings` was refused for its file."""
+    write(tmp_path / "wing.vtk", cell_data={"vein": [np.zeros(4, int), np.array([7, 8, 8])]})
+    document = read(ROOT / "examples" / "hover-flyer.json")
+    for own, unit in zip(document["wings"], (1e-3, 2e-3), strict=True):
+        own["wing"] |= {"mesh": {"file": "wing.vtk", "unit": unit}, "root": "7"}
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    found = load(tmp_path / "scene.json")
+    spans = [np.ptp(own.wing.mesh.triangles.nodes, axis=0) for own in found.wings]
+    assert np.allclose(spans, [[0.002, 0.001, 0], [0.004, 0.002, 0]])
+    with pytest.raises(SceneError, match=r"`wings\[1\].wing.mesh.file` is 'none.stl', but there is no such file"):
+        found.copy({"wings.1.wing.mesh.file": "none.stl"})
 
 
 def test_numbers_of_line_cells_name_chains(scene, tmp_path):

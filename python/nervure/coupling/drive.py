@@ -132,7 +132,7 @@ def read_drive(path: Path) -> Drive:
         raise InputError(f"the drive {path} does not exist, but must be a Python file")
     try:
         content = runpy.run_path(str(path))
-    except Exception as error:  # whatever the file raises
+    except (Exception, SystemExit) as error:  # whatever the file raises
         raise InputError(f"the drive {path} cannot be used: {_told(error, str(path))}") from error
     if not callable(found := content.get(NAME)):
         functions = [name for name, own in content.items() if callable(own) and not name.startswith("_")]
@@ -141,7 +141,7 @@ def read_drive(path: Path) -> Drive:
     return cast(Drive, found)
 
 
-def _told(error: Exception, file: str | None = None) -> str:
+def _told(error: BaseException, file: str | None = None) -> str:
     """Return an exception in one line, with the last line of `file`, by default of the called function's, that met
     it."""
     frames = [(frame.filename, frame.lineno) for frame in traceback.extract_tb(error.__traceback__)[1:]]
@@ -228,7 +228,7 @@ class Driver:
         """Return what the drive sets at `time` (s), checked."""
         try:
             given = drive(time, values)
-        except Exception as error:  # whatever the user's function raises
+        except (Exception, SystemExit) as error:  # whatever the user's function raises
             raise CouplingError(f"the drive failed for t = {time:g} s: {_told(error)}") from error
         if not isinstance(given, Mapping):
             raise CouplingError(
@@ -253,10 +253,13 @@ class Driver:
 
     def memory(self) -> dict[str, Any] | None:
         """Return what the next step depends on beside the inputs, as JSON holds it; None without a drive. Raise
-        `InputError` where the state of the drive is nothing for JSON."""
+        `InputError` where the drive has none, or one that is nothing for JSON."""
         if self.drive is None:
             return None
-        own = plain(self.drive.state()) if isinstance(self.drive, Memory) else None
+        try:
+            own = plain(self.drive.state()) if isinstance(self.drive, Memory) else None
+        except Exception as error:  # whatever the user's method raises
+            raise InputError(f"the drive cannot give its state: {_told(error)}") from error
         try:
             json.dumps(own)
         except (TypeError, ValueError) as error:

@@ -312,7 +312,14 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             self._last = self._observe()
         except (UnitError, CouplingError) as failure:
             return self._last, self.failed, True, False, {"time": self.session.time, "error": str(failure)}
-        reward, ended = float(self.reward(self.values, targets)), bool(self.ends(self.values))
+        given = self.reward(self.values, targets)
+        try:
+            reward = float(given)
+        except (TypeError, ValueError):
+            reward = math.nan
+        if not math.isfinite(reward):
+            raise InputError(f"the reward is {given!r} at t = {self.session.time:g} s, but must be a finite number")
+        ended = bool(self.ends(self.values))
         truncated = self.session.steps >= self.session.grid.steps
         return self._last, reward, ended, truncated, {"time": self.session.time}
 

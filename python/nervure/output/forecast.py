@@ -13,7 +13,7 @@ from nervure.errors import UnitError
 from nervure.evaluate import benchmark
 from nervure.scene import wings
 from nervure.scene.facts import Body, Facts
-from nervure.scene.solids import counts_of
+from nervure.scene.solids import cell_lengths, counts_of
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.places import counted
 from nervure.simulation.session import Session
@@ -23,6 +23,7 @@ TIMED = 0.5  # Wall time of the timed steps, s
 ROUNDING = 1e-9  # Relative tolerance of a limit
 
 FACTORS = (2, 3, 5, 7, 11, 13)  # Prime factors with a transform of their own
+OBLONG = 1.5  # Longest side of a cell by the shortest: with 2 the flow in a channel is 9 % off beside the wall
 THICKNESS_CELLS, GOOD_CELLS = 2.5, 5  # Cells in a thickness: least, and for forces within some per cent
 LINE_CELLS = 4  # Cells in a beam's thickness from which on its mask makes as little noise as a line, 2 %
 LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
@@ -117,11 +118,17 @@ def _warnings(facts: Facts) -> Iterator[str]:
                 below, above = (next(filter(is_fast, count(cells, step))) for step in (-unit, unit))
                 cause = f"{cells} cells{whose} along {axis} have a prime factor above {FACTORS[-1]}"
                 yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
+    # A run of a benchmark shows the errors that these ranges are about.
+    is_compared = scene.reference is not None and not benchmark.changed(scene)
+    sides = dict(zip("xyz", cell_lengths(scene.fluid), strict=False))
+    long, short = (pick(sides, key=lambda axis: sides[axis]) for pick in (max, min))
+    is_masked = bool(scene.fluid.channel or scene.fluid.cylinders or scene.fluid.bodies or facts.beams)
+    if is_masked and not is_compared and sides[long] > OBLONG * sides[short]:
+        times = f"{sides[long] / sides[short]:.3g} times as long along {long} as along {short}"
+        yield f"cells are {times}; a mask is as blurred as by the longer side: finer cells along {long} help"
     if numbers is None:
         return
     lines = facts.lines
-    # A run of a benchmark shows the errors that these ranges are about.
-    is_compared = scene.reference is not None and not benchmark.changed(scene)
     for name, body in numbers.bodies.items():
         if name not in lines and not is_compared:
             yield from _unresolved(name, body)

@@ -10,7 +10,7 @@ from nervure.errors import SceneError
 from nervure.scene import meshes, reading, surfaces
 from nervure.scene.keys import Document, assign
 
-WING = "wing.mesh"  # Path of the mesh of a wing
+WING = "wing.mesh"  # End of the path of the mesh of a wing
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
 NODE_BYTES = 300  # Of a node with two triangles in the text of a scene
 
@@ -54,15 +54,24 @@ class Read(dict[str, object]):
 
 def named(scene: Document) -> Iterator[tuple[str, Document]]:
     """Yield dotted path and content of each part of a scene, which may be unchecked, that names a file."""
-    fluid, wing = scene.get("fluid"), scene.get("wing")
-    bodies = fluid.get("bodies") if isinstance(fluid, dict) else None
     parts = []
-    for i, body in enumerate(bodies if isinstance(bodies, list) else ()):
-        shape = body.get("shape") if isinstance(body, dict) else None
-        surface = shape.get("triangulation") if isinstance(shape, dict) else None
+    for i, body in enumerate(_list(_part(scene, "fluid"), "bodies")):
+        surface = _part(_part(body, "shape"), "triangulation")
         parts.append((f"fluid.bodies.{i}.shape.triangulation", surface))
-    parts.append((WING, wing.get("mesh") if isinstance(wing, dict) else None))
+    parts.append((WING, _part(_part(scene, "wing"), "mesh")))
+    for i, wing in enumerate(_list(scene, "wings")):
+        parts.append((f"wings.{i}.{WING}", _part(_part(wing, "wing"), "mesh")))
     yield from ((path, part) for path, part in parts if isinstance(part, dict) and "file" in part)
+
+
+def _part(whole: object, key: str) -> object:
+    """Return the value of `key` in `whole`, or None where this is no object or has no such key."""
+    return whole.get(key) if isinstance(whole, dict) else None
+
+
+def _list(whole: object, key: str) -> list[object]:
+    """Return the list under `key` in `whole`, or an empty one."""
+    return found if isinstance(found := _part(whole, key), list) else []
 
 
 def _read(path: str, part: Document, folder: Path) -> bool:
@@ -71,13 +80,14 @@ def _read(path: str, part: Document, folder: Path) -> bool:
     unit = reading.unit(part)
     if unit is None or not isinstance(name := part["file"], str) or not part.keys() <= {"file", "unit"}:
         return False
+    of_wing = path.endswith(WING)
     try:
-        found = (meshes if path == WING else surfaces).read(folder / name, unit)
+        found = (meshes if of_wing else surfaces).read(folder / name, unit)
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) else error
         raise SceneError(f"`{key_of(path)}` is {name!r}, but {why}") from error
     part.clear()
-    part |= {"triangles": found} if path == WING else found
+    part |= {"triangles": found} if of_wing else found
     return True
 
 

@@ -49,10 +49,22 @@ class TypeFault(SceneError, ValueError):
 
 def refusal(error: ValidationError) -> TypeFault:
     """Return the innermost reason why a part does not have its types as a sentence with key and value."""
-    found = max(error.errors(include_url=False), key=lambda one: len(one["loc"]))
+    faults = error.errors(include_url=False)
+    depth = max(len(one["loc"]) for one in faults)
+    deepest = [one for one in faults if len(one["loc"]) == depth]
+    # Of a value that has one of several keys, a key is unknown where no choice knows it.
+    choices = {one["loc"][:-1] for one in deepest}
+    extra = [one["loc"][-1] for one in deepest if one["type"] == "extra_forbidden"]
+    found = next((one for one in deepest if extra.count(one["loc"][-1]) == len(choices)), None)
+    of_several = found is None and len(choices) > 1
+    found = found or deepest[0]
     # Between the keys stand the names of the types that a value may have.
     path = [part for part in found["loc"] if isinstance(part, int) or re.fullmatch("[a-z_0-9]+", part)]
     key, shown = ".".join(map(str, path)), repr(found["input"])
+    if of_several and found["type"] in ("extra_forbidden", "missing"):
+        has = f"has {', '.join(map(str, dict.fromkeys(extra)))}" if extra else "is empty"
+        whole, names = ".".join(map(str, path[:-1])), dict.fromkeys(str(one["loc"][-1]) for one in deepest)
+        return TypeFault(f"`{whole}` {has}, but must have one of the keys {', '.join(names)}")
     if found["type"] == "extra_forbidden":
         near = hint(str(path[-1]), keys(".".join(map(str, path[:-1])))) if error.title == "Scene" else ""
         return TypeFault(": ".join(filter(None, [f"unknown key `{key}`", near])))
