@@ -2,6 +2,7 @@
 
 import math
 import runpy
+import sys
 
 import numpy as np
 import pytest
@@ -94,6 +95,12 @@ def test_what_a_drive_leaves_out_stands_still_where_it_is(driver):
 def test_what_a_drive_must_not_give_is_named_with_its_time(driver, given, words):
     with pytest.raises(CouplingError, match=words):
         driver(lambda _t, _values: given, [0.1])
+
+
+def test_a_drive_that_exits_has_failed(driver):
+    """The run ended without a word and with the drive's own exit status."""
+    with pytest.raises(CouplingError, match="the drive failed for t = 0.1 s: SystemExit: 3"):
+        driver(lambda _t, _values: sys.exit(3), [0.1])
 
 
 def test_an_exception_in_a_drive_ends_the_run_with_its_place_and_time(libraries, tmp_path):
@@ -266,6 +273,7 @@ def test_the_example_of_a_drive_runs_as_its_text_says(libraries, tmp_path, name)
         ("def law(t, values):\n    return {}\n", "has no function `drive(time, values)`, but law"),
         ("drive = 1.0\n", "own.py has no function `drive(time, values)`"),
         ("def drive(t, values)\n", "cannot be used: SyntaxError"),
+        ("import sys\nsys.exit(3)\n", "cannot be used: SystemExit: 3"),
         ("import csv\nopen('absent.csv')\n", "cannot be used: FileNotFoundError"),
     ],
 )
