@@ -3,6 +3,7 @@
 import math
 import sys
 import runpy
+import sys
 
 import numpy as np
 import pytest
