@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from math import atan2, degrees, hypot, pi, radians
 from pathlib import Path
@@ -86,6 +87,13 @@ CASES: dict[str, tuple[str, Changes]] = {
     "sheet/30°, 192x144x144": (PLATE, SHEET | turned(30) | grid([192, 144, 144], 0.0125)),
     **{f"sheet/{angle}°, 12 fine cells": (PLATE, SHEET | FAR | turned(angle) | fine(2, 0.017)) for angle in PLATES},
     **{f"sheet/{angle}°, 24 fine cells": (PLATE, SHEET | FAR | turned(angle) | fine(4, 0.0085)) for angle in PLATES},
+    **{
+        f"sheet/{angle}°, 12 fine cells, box 8 x 6 x 6": (
+            PLATE,
+            SHEET | turned(angle) | fine(2, 0.017) | {"fluid.box.cells": [48, 36, 36]},
+        )
+        for angle in PLATES
+    },
     "rolling/16 fine cells": (ROLLING, {"fluid.fine_box.ratio": 2, "fluid.mask.log_linear.c_eta": 2.2e-4}),
     "rolling/32 fine cells": (ROLLING, {}),
     **{f"hanging/160x160x48, U {speed}": (HANGING, stream(speed)) for speed in SPEEDS},
@@ -229,7 +237,7 @@ def expected(name: str) -> dict[str, float]:
 
 def cases() -> Iterator[Case]:
     for name, (scene, changes) in CASES.items():
-        about = {"expected": expected(name), "grid": name.split("/")[1].replace("x", " x ")}
+        about = {"expected": expected(name), "grid": re.sub(r"(?<=\d)x(?=\d)", " x ", name.split("/")[1])}
         yield Case(name, FLUID, scene, changes, action=run, about=about)
     for n, precision in ((128, "single"), (128, "double"), (192, "single")):
         box = {f"fluid.box.{axis}": [-4.0, 4.0] for axis in "xyz"} | {"fluid.sponge.x": [3.0, 4.0]}

@@ -16,7 +16,7 @@ from gymnasium.spaces import Box
 from nervure.coupling import CouplingError, stand_still
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
-from nervure.scene import Scene, with_files
+from nervure.scene import Scene, load, with_files
 from nervure.simulation.session import Session
 
 MOST_STEPS = 100_000
@@ -171,7 +171,8 @@ def _source(function: Callable[..., Any]) -> list[Any]:
 
 
 class Env(gymnasium.Env[np.ndarray, np.ndarray]):
-    """An environment of `scene`: each step sets the targets of `actions` and makes `steps` communication steps.
+    """An environment of `scene`, an object or a name: each step sets the targets of `actions` and makes `steps`
+    communication steps.
 
     An observation has the columns of the series, and driven inputs as `root.y`, that are the keys of `observed`, each
     by its scale there. `reward(values, action)` sees all of them at the end of the step. An episode begins at one of
@@ -185,7 +186,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
 
     def __init__(
         self,
-        scene: Scene,
+        scene: Scene | str | Path,
         actions: Sequence[Action],
         observed: Mapping[str, float],
         reward: Reward,
@@ -198,6 +199,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         cache: str | Path | None = None,
         render_mode: str | None = None,
     ):
+        if not isinstance(scene, Scene):
+            scene = load(scene)
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}, but must be None or rgb_array")
         if not (isinstance(steps, int | np.integer) and 1 <= steps <= MOST_STEPS):
