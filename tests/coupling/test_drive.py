@@ -1,7 +1,6 @@
 """A drive sets, step by step, what a scene leaves to the master."""
 
 import math
-import sys
 import runpy
 import sys
 
