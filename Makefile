@@ -251,7 +251,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	touch $@
 
 MOVING := vein-forward-288x144 vein-hover-216x192 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
-	vein-pair-hover-256x288 vein-pair-forward-288x192
+	vein-pair-hover-256x288 vein-pair-forward-288x192 filament-swimming-144x48
 
 gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictures in docs/pictures (some minutes)
 	$(RUN) site/gallery.py
