@@ -96,8 +96,8 @@ def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> di
 
 
 def runs_a_scene(record: Record) -> bool:
-    """Whether a result is that of a run of its scene, whatever is evaluated of it."""
-    return bool(record.case.scene) and record.get("cpu_s") is not None
+    """Whether a result is that of a run of its scene without a drive, whatever is evaluated of it."""
+    return bool(record.case.scene) and "drive" not in record.case.options and record.get("cpu_s") is not None
 
 
 def group(name: str) -> str:
