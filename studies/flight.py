@@ -17,22 +17,20 @@ from nervure.evaluate.statistics import Series
 from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.scene.facts import Facts
-from studies import simulate
+from studies import simulate, thin
 from studies.engine import COUPLED, Case, Run, Study
-from studies.thin import ADVICE
 
 SWIMMER, FLYER = "filament-swimming-144x48", str(ROOT / "examples" / "flyer-pid.json")
 
 SPEEDS = {"wall": 0.708, "open": 1.73}
-"""Mean speeds once they last, by the largest speed of the heave, of its double beside a wall: a filament .6 lengths
-above a wall (Park et al. 2017) and the first of two filaments in line (Zhu et al. 2014), both as digitised for the
-examples of FSILBM3D."""
+"""Published mean speeds by the speed U of `FILAMENTS`: of a filament .6 lengths above a wall (Park et al. 2017) and of
+the first of two filaments in line (Zhu et al. 2014), both as digitised for the examples of FSILBM3D."""
 FILAMENTS: dict[str, tuple[float, float, float, float, float]] = {
     "wall": (0.2, 4 * pi * 0.2, 100.0, 1.0, 1.0),
     "open": (0.5, 2 * pi * 0.5, 200.0, 0.2, 0.8),
 }
-"""Amplitude of the heave by the length L, speed U that scales, lengths per period, Reynolds number by both, mass by
-rho L, and bending stiffness by rho U² L³."""
+"""Amplitude of the heave by the length L; speed U, the largest of the heave or, above the wall, twice that, lengths per
+period; Reynolds number by U and L; mass by rho L; bending stiffness by rho U² L³."""
 PERIODS = {"wall": 8, "open": 5}
 
 STROKES = 7
@@ -43,12 +41,12 @@ FAR: dict[str, Any] = {
                        "follow": "body[1]"},
 }  # fmt: skip
 """A box twice as long, with cells of the old size in one that follows the flyer."""
-FLIGHTS: dict[str, tuple[str, float, dict[str, Any]]] = {
-    "hovers": ("flyer_pid.py", 200.0, {}),
-    "hovers, two grids": ("flyer_pid.py", 200.0, FAR),
-    "climbs": ("flyer_climb.py", 230.0, {}),
+FLIGHTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "hovers": ("flyer_pid.py", {}),
+    "hovers, two grids": ("flyer_pid.py", FAR),
+    "climbs": ("flyer_climb.py", {}),
 }
-"""Drive, frequency of the strokes, Hz, and changes."""
+"""Drive and changes."""
 
 WING: dict[str, Any] = {
     "mesh": {"rectangular": {"length": 0.2, "width": 0.1, "along": 3}},
@@ -85,10 +83,14 @@ def swimming(kind: str, cells: int) -> dict[str, Any]:
     return changes | {"fluid.box": box, "fluid.fine_box": fine | {"ratio": cells // 12, "follow": "beam"}}
 
 
+def drive_of(case: Case) -> Any:
+    """Return a new drive of a case."""
+    return runpy.run_path(str(ROOT / "examples" / case.options["drive"]))["drive"]
+
+
 def flown(case: Case, folder: Path) -> dict[str, Any]:
     """Fly the scene of a case under a drive of the examples; return the summary."""
-    own = runpy.run_path(str(ROOT / "examples" / case.options["drive"]))["drive"]
-    done = nervure.run(validate(case.built()), folder / "flight", drive=own, force=True, quiet=True)
+    done = nervure.run(validate(case.built()), folder / "flight", drive=drive_of(case), force=True, quiet=True)
     columns: Any = done.series
     np.savez_compressed(folder / "series.npz", **columns)
     return done.summary.document()
@@ -138,7 +140,7 @@ def mapped(case: Case, folder: Path) -> dict[str, Any]:
                     status, warnings = session.run(), session.warnings
                     paths.append(session.recorder.series["body_y"])
                 if status.error:
-                    said = "error" if any(advice in status.error for advice in ADVICE) else "bad"
+                    said = thin.failed(status.error)
                     break
                 said = "told" if warnings else said
             else:
@@ -153,7 +155,7 @@ def cases() -> Iterator[Case]:
         for cells in counts:
             about = {"expected": {"speed": SPEEDS[kind]}, "grid": f"{cells} cells"}
             yield Case(f"swims/{kind}, {cells}", COUPLED, SWIMMER, swimming(kind, cells), about=about)
-    for name, (drive, _, changes) in FLIGHTS.items():
+    for name, (drive, changes) in FLIGHTS.items():
         yield Case(f"flies/{name}", (*COUPLED, "wing", "body"), FLYER, changes, {"drive": drive}, flown)
     yield Case("map/ratios", (*COUPLED, "wing", "body"), action=mapped)
 
@@ -167,14 +169,15 @@ def of_flight(case: Case, series: Series) -> dict[str, float]:
     """Return where a flyer is at the end, m, and of its last strokes the largest of its angles, rad, and its vertical
     forces less what its weight and its momentum ask for, by its weight: with the loads that its wings take, and with
     those that the fluid gives."""
-    scene, frequency = case.built(), FLIGHTS[case.name.split("/")[1]][1]
-    begin = len(series["time"]) - 1 - round(STROKES / frequency / scene["time"]["communication_step"])
+    scene = case.built()
+    steps = round(STROKES / drive_of(case).frequency / scene["time"]["communication_step"])
+    begin = len(series["time"]) - 1 - steps
     meshes = Facts(validate(scene)).wing
     assert meshes
     corners = meshes.nodes[meshes.triangles]
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-    membrane, gravity = scene["wings"][0]["wing"]["membrane"], 9.81
-    weight = gravity * (scene["flyer"]["mass"] + area * membrane["areal_density"])
+    mass = scene["flyer"]["mass"] + area * scene["wings"][0]["wing"]["membrane"]["areal_density"]
+    weight = -scene["flyer"]["gravity"][2] * mass
     momentum, time = series["body_momentum_z"], series["time"]
     due = weight + (momentum[-1] - momentum[begin]) / (time[-1] - time[begin])
     body = mean(series["body_1_load_force_z"], begin)

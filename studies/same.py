@@ -32,15 +32,16 @@ from nervure.resources import ROOT
 from studies import catalogue, same
 digests, fresh = json.load(sys.stdin)
 for record in catalogue.load().records.values():
-    if record.digest in digests and not (fresh and record.stale):
-        print(record.digest, hashlib.sha256(same.first_steps(record.case, ROOT)).hexdigest(), flush=True)
+    if record.digest in digests and not (fresh and record.stale) and (steps := same.first_steps(record.case, ROOT)):
+        print(record.digest, hashlib.sha256(steps).hexdigest(), flush=True)
 """
 """Print the recorded digest of results and the hash of the first steps of their cases. Any checkout runs this."""
 
 
-def first_steps(case: Case, checkout: Path) -> bytes:
-    """Return outputs over the first steps, by the libraries in `checkout`, and the error that ended them. The step
-    after them, the last one, has a length that may differ by rounding, and is left out."""
+def first_steps(case: Case, checkout: Path) -> bytes | None:
+    """Return outputs over the first steps, by the libraries in `checkout`, and the error that ended them; None of a
+    scene that does not run by itself, such as one under a drive. The step after them, the last one, has a length that
+    may differ by rounding, and is left out."""
     os.environ["NERVURE_LIBRARIES"] = str(checkout / "target" / "release")
     scene = case.built()
     step = scene["time"]["communication_step"]
@@ -50,8 +51,8 @@ def first_steps(case: Case, checkout: Path) -> bytes:
             error = session.run().error
             outputs = session.recorder.series.values()
             return b"".join(values[:-1].tobytes() for values in outputs) + (error or "").encode()
-    except InputError as error:
-        return str(error).encode()
+    except InputError:
+        return None
 
 
 WHOLE = """
@@ -96,8 +97,8 @@ def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> di
 
 
 def runs_a_scene(record: Record) -> bool:
-    """Whether a result is that of a run of its scene without a drive, whatever is evaluated of it."""
-    return bool(record.case.scene) and "drive" not in record.case.options and record.get("cpu_s") is not None
+    """Whether a result is that of a run of its scene, whatever is evaluated of it."""
+    return bool(record.case.scene) and record.get("cpu_s") is not None
 
 
 def group(name: str) -> str:

@@ -34,6 +34,11 @@ MOST = 0.2
 above it is bad. The guard tells of 0.1 in a mean that reaches further back."""
 
 
+def failed(error: str) -> str:
+    """Return the outcome of a run that ended with an error."""
+    return "error" if any(advice in error for advice in ADVICE) else "bad"
+
+
 def outcome(scene: dict[str, Any], folder: Path, body: str = "beam") -> tuple[str, float]:
     """Return the outcome of a coupling with a beam or the wing: `ok`, `told` with a warning, `error` with advice, or
     `bad` where powers differ and nothing is said, or no advice is given; and the difference of both powers by the
@@ -42,7 +47,7 @@ def outcome(scene: dict[str, Any], folder: Path, body: str = "beam") -> tuple[st
         status, columns = session.run(), session.recorder.series
         warnings = [text for text in session.warnings if not text.startswith("short waves")]  # of the flow
     if status.error:
-        return "error" if any(advice in status.error for advice in ADVICE) else "bad", np.inf
+        return failed(status.error), np.inf
     late = columns["time"] > columns["time"][-1] / 2
     on_rod, from_fluid = columns["load_power"][late], columns[f"{body}_power"][late]
     exchanged = float(np.abs(from_fluid).sum())

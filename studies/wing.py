@@ -329,7 +329,7 @@ def fallen(scene: dict[str, Any], folder: Path) -> tuple[str, float]:
         status, columns = session.run(), session.recorder.series
         warnings = session.warnings
     if status.error:
-        return "error" if any(advice in status.error for advice in thin.ADVICE) else "bad", np.inf
+        return thin.failed(status.error), np.inf
     energy = columns["energy_elastic"] + columns["energy_kinetic"] + columns["energy_gravity"]
     gain = float(energy.max() - energy[0]) / float(-columns["energy_gravity"].min())
     sound = all(np.isfinite(column).all() for column in columns.values()) and gain < GAIN

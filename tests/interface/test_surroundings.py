@@ -98,11 +98,11 @@ def test_any_true_answer_to_a_step_ends_the_run(answer, tmp_path):
         ),
         (
             lambda scene: scene.copy({"rod.root": {}}),
-            "`rod.root` is empty, but must have one of the keys torsion_spring, free",
+            "`rod.root` is empty, but must have exactly one of the keys torsion_spring, free",
         ),
         (
             lambda scene: scene.copy({"rod.root": {"free": {}, "torsion_spring": {"stiffness": 1}}}),
-            "`rod.root` has free, torsion_spring, but must have one of the keys free, torsion_spring",
+            "`rod.root` has free, torsion_spring, but must have exactly one of the keys free, torsion_spring",
         ),
     ],
 )

@@ -3,7 +3,7 @@
 import pytest
 
 from nervure.resources import ROOT
-from studies import catalogue, engine, fluid, roofline, same, show, speed
+from studies import catalogue, engine, flight, fluid, roofline, same, show, speed
 from studies.engine import Case, Study
 from studies.store import Data, Record
 
@@ -131,6 +131,8 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
     thicker.changes["fluid.kinematic_viscosity"] = 1e-3 * (1 + 1e-15)
     assert same.first_steps(case, ROOT) == same.first_steps(case, ROOT)
     assert same.first_steps(case, ROOT) != same.first_steps(thicker, ROOT)
+    flown = next(case for case in flight.cases() if case.options)
+    assert same.first_steps(flown, ROOT) is None, "a scene under a drive was said to run without it"
 
 
 def test_errors_are_by_the_published_value_the_amplitude_or_one():

@@ -258,7 +258,7 @@ class Driver:
             return None
         try:
             own = plain(self.drive.state()) if isinstance(self.drive, Memory) else None
-        except Exception as error:  # whatever the user's method raises
+        except (Exception, SystemExit) as error:  # whatever the user's method raises
             raise InputError(f"the drive cannot give its state: {_told(error)}") from error
         try:
             json.dumps(own)
@@ -274,7 +274,7 @@ class Driver:
         if isinstance(self.drive, Memory):
             try:
                 self.drive.restore(memory["state"])
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 why = f"{type(error).__name__}: {error}"
                 raise InputError(f"the drive cannot restore its state {memory['state']!r}: {why}") from error
         elif memory["state"] is not None:

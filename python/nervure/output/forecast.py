@@ -122,10 +122,11 @@ def _warnings(facts: Facts) -> Iterator[str]:
     is_compared = scene.reference is not None and not benchmark.changed(scene)
     sides = dict(zip("xyz", cell_lengths(scene.fluid), strict=False))
     long, short = (pick(sides, key=lambda axis: sides[axis]) for pick in (max, min))
-    is_masked = bool(scene.fluid.channel or scene.fluid.cylinders or scene.fluid.bodies or facts.beams)
+    solids = {f"body_{i + 1}" for i in range(len(scene.fluid.bodies))} | {own.force for own in facts.beams}
+    is_masked = bool(scene.fluid.channel or scene.fluid.cylinders or solids - facts.lines)
     if is_masked and not is_compared and sides[long] > OBLONG * sides[short]:
         times = f"{sides[long] / sides[short]:.3g} times as long along {long} as along {short}"
-        yield f"cells are {times}; a mask is as blurred as by the longer side: finer cells along {long} help"
+        yield f"cells are {times}; a mask is blurred over the longer side: finer cells along {long} help"
     if numbers is None:
         return
     lines = facts.lines

@@ -64,7 +64,7 @@ def refusal(error: ValidationError) -> TypeFault:
     if of_several and found["type"] in ("extra_forbidden", "missing"):
         has = f"has {', '.join(map(str, dict.fromkeys(extra)))}" if extra else "is empty"
         whole, names = ".".join(map(str, path[:-1])), dict.fromkeys(str(one["loc"][-1]) for one in deepest)
-        return TypeFault(f"`{whole}` {has}, but must have one of the keys {', '.join(names)}")
+        return TypeFault(f"`{whole}` {has}, but must have exactly one of the keys {', '.join(names)}")
     if found["type"] == "extra_forbidden":
         near = hint(str(path[-1]), keys(".".join(map(str, path[:-1])))) if error.title == "Scene" else ""
         return TypeFault(": ".join(filter(None, [f"unknown key `{key}`", near])))
