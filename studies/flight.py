@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import runpy
 from collections.abc import Iterator
 from itertools import product
 from math import pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -58,6 +60,7 @@ WING: dict[str, Any] = {
 """A wing of 1 kg. In a fluid it is stiffer by the ratio of its added mass."""
 BESIDE = (0.01, 1.0, 100.0)  # Mass of both wings by that of the body
 ADDED = (0.0, 0.5, 10.0)  # Added mass of a wing by its own
+TIMED = 150  # Steps of the cost
 MOST, STEP = 0.2, 5e-3  # Difference of the paths of a body that counts as silent, and step, s
 
 
@@ -150,6 +153,31 @@ def mapped(case: Case, folder: Path) -> dict[str, Any]:
     return {"tables": {"map": rows}}
 
 
+def tethered(flyer: dict[str, Any]) -> dict[str, Any]:
+    """Return the scene of a flyer whose wings beat alike at a body that stands."""
+    scene = copy.deepcopy(flyer)
+    hinges = scene.pop("flyer")["hinges"]
+    for body in scene["fluid"]["bodies"]:
+        del body["motion"]
+    for own, hinge in zip(scene["wings"], hinges, strict=True):
+        turn = hinge.get("turn", {"axis": [0.0, 1.0, 0.0], "angle": 0.0})
+        angles = [
+            ({"constant": turn["angle"]}, turn["axis"]),
+            (hinge["motion"]["stroke"], [0.0, 0.0, 1.0]),
+            (hinge["motion"]["pitch"], [1.0, 0.0, 0.0]),
+        ]
+        place = {axis: {"constant": at} for axis, at in zip("xyz", hinge["position"], strict=True)}
+        own["wing"]["root_motion"] = place | {"rotations": [{"angle": law, "axis": axis} for law, axis in angles]}
+    return scene
+
+
+def cost(case: Case, folder: Path) -> dict[str, Any]:
+    """Time steps of a flyer and of its wings without a flight."""
+    flies = case.built()
+    flying, standing = simulate.in_turns([flies, tethered(flies)], folder, TIMED, lambda _: perf_counter())
+    return {"times": {"flying_ms": flying, "tethered_ms": standing, "ratio": flying / standing}}
+
+
 def cases() -> Iterator[Case]:
     for kind, counts in (("wall", (24, 48)), ("open", (24, 48, 96))):
         for cells in counts:
@@ -158,6 +186,7 @@ def cases() -> Iterator[Case]:
     for name, (drive, changes) in FLIGHTS.items():
         yield Case(f"flies/{name}", (*COUPLED, "wing", "body"), FLYER, changes, {"drive": drive}, flown)
     yield Case("map/ratios", (*COUPLED, "wing", "body"), action=mapped)
+    yield Case("cost/hover", (*COUPLED, "wing", "body"), str(ROOT / "examples" / "hover-flyer.json"), action=cost)
 
 
 def mean(values: np.ndarray, begin: int) -> float:
@@ -195,7 +224,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
     """Return the mean speed of a filament over the last period as that of the published one; see `of_flight`."""
     if case.name.startswith("flies/"):
         return {"values": of_flight(case, run.series), "times": simulate.times(run.found | {"runs": 1})}
-    if case.name.startswith("map/"):
+    if case.name.startswith(("map/", "cost/")):
         return run.found
     kind = case.name.split("/")[1].split(",")[0]
     step = case.built()["time"]["communication_step"]

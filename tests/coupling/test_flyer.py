@@ -454,6 +454,22 @@ def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):
     assert of_fluid["body[1].y"] == pytest.approx(found["y"], rel=1e-12)
 
 
+def test_wings_take_in_the_sum_what_the_fluid_gives(tmp_path):
+    """What an announced load lacks joins the next one."""
+    taken, given = [], []
+    with Session(nervure.Scene.model_validate(swimmer()), tmp_path) as session:
+        session.start()
+        for _ in range(30):
+            session.step()
+            of_wings, of_fluid = (outputs(session, name) for name in ("left", "fluid"))
+            taken.append([of_wings[f"load.{axis}"] for axis in "xyz"])
+            given.append([of_fluid[f"wing[1].load_{axis}"] for axis in "xyz"])
+    # Of the first step, into the middle of the stroke, no loads are announced.
+    lacking = np.sum(given[1:], axis=0) - np.sum(taken[1:], axis=0)
+    size = np.abs(taken).sum(axis=0).max()
+    assert np.abs(lacking).max() < 0.003 * size, f"{lacking / size} of the loads are lost"
+
+
 def test_a_summary_has_the_means_of_each_wing_of_a_flyer_and_their_sums(tmp_path):
     scene = swimmer()
     scene["time"] = {"end": 1.5, "communication_step": 0.01}

@@ -185,9 +185,18 @@ where
 
     /// Add it to the loads of the coming step.
     pub fn add(&self, loads: &mut [Loads<D>]) {
+        self.add_times(1.0, loads);
+    }
+
+    /// Take it off those loads.
+    pub fn take_off(&self, loads: &mut [Loads<D>]) {
+        self.add_times(-1.0, loads);
+    }
+
+    fn add_times(&self, sign: f64, loads: &mut [Loads<D>]) {
         for (to, own) in loads.iter_mut().zip(&self.loads) {
             let pairs = to.force.iter_mut().chain([&mut to.impedance]).zip(own.force.iter().chain([&own.impedance]));
-            pairs.for_each(|(to, own)| to.iter_mut().zip(own).for_each(|(to, own)| *to += own));
+            pairs.for_each(|(to, own)| to.iter_mut().zip(own).for_each(|(to, own)| *to += sign * own));
         }
     }
 

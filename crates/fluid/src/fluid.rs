@@ -21,6 +21,7 @@ use crate::solver::{FluidSolver, Solvable};
 use crate::state::State;
 use crate::stations::{Loads, Stations};
 use crate::step::Substep;
+use crate::thin::pay;
 use crate::timer::Phase;
 
 /// Memory that does not depend on the precision, bytes for each cell: the drag rate of solids, rounded up.
@@ -129,6 +130,7 @@ where
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
+                owed: vec![[0.0; 6]; if parameters.loads && problem.thin.has_surface() { stations.len() } else { 0 }],
                 jump: parameters.flexible.iter().map(jump).collect(),
                 shear: parameters.flexible.iter().map(shear).collect(),
             },
@@ -220,7 +222,7 @@ where
         }
         self.place_at_present();
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
-        self.predict_loads();
+        self.predict_loads(self.limits.communication_step);
         // Flexible bodies begin without loads.
         self.present.flexible.loads.iter_mut().for_each(|loads| *loads = Loads::none(loads.impedance.len()));
         self.find_announced_contact();
@@ -250,18 +252,37 @@ where
         self.limits.longest_step(self.present.advection_rate, self.solver.longest_step(&self.problem))
     }
 
-    /// Return the length of the coming step, s: that of the last one, divided into equal steps where the flow needs
-    /// shorter ones.
-    fn coming_step(&self) -> f64 {
+    /// Return the length of the last step, s, and the number of equal steps into which the flow divides the coming one.
+    fn coming_steps(&self) -> (f64, f64) {
         let last = if self.present.step > 0.0 { self.present.step } else { self.limits.communication_step };
-        last / StepLimits::count(last, self.longest_step())
+        (last, StepLimits::count(last, self.longest_step()))
     }
 
-    /// Write the loads of the coming step.
-    fn predict_loads(&mut self) {
-        let dt = self.coming_step();
+    /// Return the length of the coming step, s.
+    fn coming_step(&self) -> f64 {
+        let (last, count) = self.coming_steps();
+        last / count
+    }
+
+    /// Write the loads of the coming step, which a last communication step of `h` seconds tells.
+    fn predict_loads(&mut self, h: f64) {
+        let (last, count) = self.coming_steps();
+        let dt = last / count;
+        let Interfaces { stations, loads, .. } = &self.present.flexible;
+        if !loads.is_empty() {
+            let between = &mut self.motion.between;
+            between.iter_mut().zip(stations).for_each(|(ahead, now)| ahead.extrapolate(now, h / count));
+            self.problem.place_thin(between);
+            if count > 1.0 {
+                let Problem { bodies, grid, .. } = &mut self.problem;
+                bodies.beams.iter_mut().for_each(|beam| beam.look_again(between, stations, grid));
+            }
+        }
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
         let Present { flexible, carried, .. } = &mut self.present;
+        for ((owed, stations), loads) in flexible.owed.iter().zip(&flexible.stations).zip(&mut flexible.loads) {
+            pay(&owed.map(|impulse| impulse / dt), stations, loads);
+        }
         if let Some(contact) = self.flexible_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
             contact.find(&flexible.stations, &self.problem.bodies, carried, dt);
             contact.add(&mut flexible.loads);
@@ -365,11 +386,12 @@ where
             return Err(error);
         }
         self.pressures.invalidate();
+        self.settle(h);
         if let Some(contact) = &self.flexible_contact {
             contact.exchange(h, [&self.motion.from, &self.motion.target], &mut self.present.flexible.exchange);
         }
         if self.announces() {
-            self.predict_loads();
+            self.predict_loads(h);
         }
         self.problem.timer.mark(Phase::Loads);
         if !self.present.flexible.loads.iter().all(Loads::are_finite) {
@@ -378,6 +400,18 @@ where
             return Err(Error::Loads { time: self.present.time });
         }
         Ok(())
+    }
+
+    /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact.
+    fn settle(&mut self, h: f64) {
+        let Interfaces { owed, loads, .. } = &mut self.present.flexible;
+        if owed.is_empty() {
+            return;
+        }
+        if let Some(contact) = &self.flexible_contact {
+            contact.take_off(loads);
+        }
+        self.problem.thin.settle(h, [&self.motion.from, &self.motion.target], loads, owed);
     }
 
     /// Make the steps of a communication step, at first `substeps`.
@@ -476,7 +510,10 @@ where
         self.place_at_present();
         self.find_announced_contact();
         if self.problem.bodies.announce() {
-            self.predict_loads();
+            self.predict_loads(self.coming_steps().0);
+            // Those of flexible bodies are for stations that the present ones do not tell.
+            let known = self.present.flexible.loads.iter_mut().zip(&state.present.flexible.loads);
+            known.for_each(|(own, known)| own.copy_from(known));
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::bodies::Carried;
 use crate::force::{BodyForce, Exchange};
 use crate::grid::Grid;
-use crate::space::Space;
+use crate::space::{Freedoms, Space};
 use crate::stations::{Loads, Stations};
 
 /// What a fluid of any precision and scheme has at the present time, without the flow.
@@ -37,6 +37,8 @@ pub struct Interfaces<const D: usize> {
     pub loads: Vec<Loads<D>>,
     /// Forces, powers and works of the fluid on the bodies.
     pub exchange: Vec<Exchange<D>>,
+    /// Impulse of force and moment about the origin, N s and N m s, that each is still owed; empty without a surface.
+    pub owed: Vec<Freedoms>,
     /// Pressure above less the pressure below the stations of each line in the plane and surface in space, Pa; empty for
     /// other bodies.
     pub jump: Vec<Vec<f64>>,
@@ -51,7 +53,8 @@ where
 {
     /// A uniform flow (m/s) without a body.
     pub fn without_bodies(grid: &Grid<D>, velocity: [f64; D]) -> Self {
-        let flexible = Interfaces { stations: vec![], loads: vec![], exchange: vec![], jump: vec![], shear: vec![] };
+        let flexible =
+            Interfaces { stations: vec![], loads: vec![], exchange: vec![], owed: vec![], jump: vec![], shear: vec![] };
         let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
         Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
     }
@@ -88,13 +91,14 @@ impl<const D: usize> Interfaces<D> {
         Stations::copy_all(&mut self.stations, &other.stations);
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.exchange.copy_from_slice(&other.exchange);
+        self.owed.copy_from_slice(&other.owed);
         let shear = self.shear.iter_mut().flatten().zip(other.shear.iter().flatten());
         self.jump.iter_mut().zip(&other.jump).chain(shear).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has as many bodies with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
-        let lengths = |all: &Self| [all.stations.len(), all.loads.len(), all.exchange.len()];
+        let lengths = |all: &Self| [all.stations.len(), all.loads.len(), all.exchange.len(), all.owed.len()];
         let stresses = |all: &Self| {
             let shear = all.shear.iter().map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
             (all.jump.iter().map(Vec::len).collect::<Vec<_>>(), shear.collect::<Vec<_>>())

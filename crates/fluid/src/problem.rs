@@ -95,7 +95,8 @@ where
     ) {
         let (forces, flexible) = (&mut present.bodies, &mut present.flexible);
         self.bodies.sum_up_forces(dt, drag, stations, forces, &mut flexible.exchange);
-        self.thin.sum_up_forces(dt, stations, &flexible.stations, forces, &mut flexible.exchange);
+        let exchange = (&mut *flexible.exchange, &mut *flexible.owed);
+        self.thin.sum_up_forces(dt, stations, &flexible.stations, forces, exchange);
         let stresses = (&mut *flexible.jump, &mut *flexible.shear);
         self.thin.write_stresses(dt, stations, &flexible.stations, stresses);
     }

@@ -37,6 +37,9 @@ from nervure.coupling.guards import (
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import WING, Unit, prefixes
 
+LONGER = 1.1
+"""Parts of a step for which loads have to hold before it has fewer exchanges: their number seldom changes."""
+
 STATION_ROUNDING = 1e-12
 """Residual, relative to the positions of the stations, that counts as converged: about the error of a rod's solver."""
 
@@ -262,7 +265,7 @@ class Explicit(Scheme):
         while left > 0.0:
             holds = self.longest().item() if self.longest else math.inf
             # The fluid announces the loads of a step as long as the last one, or divided: longer ones are seldom.
-            if not exchanges and 2 * _parts(h, holds) <= h / part * (1 + ROUNDING):
+            if not exchanges and 2 * _parts(LONGER * h, holds) <= h / part * (1 + ROUNDING):
                 part = h
             count = max(1, math.ceil(left / part * _parts(part, holds) - ROUNDING))
             if count == 1 and not exchanges:  # The driven inputs are at the end of the step already

@@ -257,9 +257,6 @@ where
         problem.timer.mark(Phase::Forces);
         self.take_over(flow, scheme.c[0], present.step);
         step.commit(present, &mut problem.bodies, advection_rate);
-        if let Some(ahead) = step.ahead {
-            problem.place_thin(ahead);
-        }
     }
 
     /// Return the drag on a cell of a mask over the density, m/s².

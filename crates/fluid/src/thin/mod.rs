@@ -13,6 +13,7 @@
 
 mod drag;
 mod markers;
+mod owed;
 mod parts;
 mod rigid;
 mod slip;
@@ -30,11 +31,13 @@ use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
 use crate::kernel::{Kernel, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
-use crate::space::{Kinematics, Space, Vector};
+use crate::space::{Freedoms, Kinematics, Space, Vector, join};
 use crate::stations::{Loads, Stations};
 
 use drag::{Dragged, MarkerDrag};
 use markers::Markers;
+use owed::Taken;
+pub use owed::pay;
 use parts::Parts;
 use rigid::{Responses, RigidNodes};
 use slip::Slip;
@@ -47,7 +50,7 @@ struct Thin<const D: usize> {
     number: usize,
     parts: Parts,
     /// What turns the markers with the nodes.
-    facing: Facing,
+    facing: Facing<D>,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
     /// Stress on a line in the plane.
@@ -55,15 +58,21 @@ struct Thin<const D: usize> {
 }
 
 /// What turns the markers of a body.
-enum Facing {
+enum Facing<const D: usize> {
     /// The markers beside each one, in the plane.
     Line,
     /// The same of a rod in space, which takes its layer along in all directions.
     Rod,
     /// Nothing: the body does not slip.
     Unknown,
-    /// The triangles of each; a flexible one has stresses.
-    Surface(Facets, Option<SurfaceStress>),
+    /// The triangles of each, and what a flexible one has.
+    Surface(Facets, Option<FlexibleSurface<D>>),
+}
+
+/// Stresses on a flexible surface, and the load that it takes.
+struct FlexibleSurface<const D: usize> {
+    stress: SurfaceStress,
+    taken: Taken<D>,
 }
 
 /// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
@@ -86,13 +95,13 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s). A rigid one, a surface and a rod slip.
+    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s) and a density (kg/m³). A rigid one, a surface and a rod slip.
     fn new(
         number: usize,
         body: &Flexible<D>,
         is_rigid: bool,
         c_eta: f64,
-        nu: f64,
+        (nu, density): (f64, f64),
         cell: f64,
         markers: &mut Markers<D>,
     ) -> Self {
@@ -103,14 +112,16 @@ where
         let along = |edges: &[f64]| edges.iter().map(|edge| Slip::along(nu, cell, *edge, thickness)).collect();
         let (parts, facing, measures, layers, slips): (_, _, Vec<_>, Vec<_>, Vec<_>) = match &body.extent {
             Extent::Surface(triangles) => {
+                let nodes = body.nodes_in_space();
                 let surface::Patches { parts, facets, areas, edges, around: beside } =
-                    surface::patches(&body.nodes_in_space(), triangles, cell, first);
-                let stress = (!is_rigid).then(|| {
+                    surface::patches(&nodes, triangles, cell, first);
+                let flexible = (!is_rigid).then(|| {
                     around = beside;
-                    SurfaceStress::new(body.nodes.len(), &parts, areas.clone(), thickness)
+                    let stress = SurfaceStress::new(body.nodes.len(), &parts, areas.clone(), thickness);
+                    FlexibleSurface { stress, taken: Taken::new(&nodes, triangles, density * thickness) }
                 });
                 let count = areas.len();
-                (parts, Facing::Surface(facets, stress), areas, vec![whole; count], along(&edges))
+                (parts, Facing::Surface(facets, flexible), areas, vec![whole; count], along(&edges))
             }
             extent => {
                 let slips = is_rigid && D == 2;
@@ -202,8 +213,8 @@ where
         Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
     }
 
-    /// Return the inertia of the layer of a flexible surface whose nodes were at `before`: across it, with moments about a
-    /// point (m), and along it, where the fluid slides but the mass of the body leaves the layer out, with its power, W.
+    /// Return the inertia of the layer of a flexible surface whose nodes were at `before`, with moments about a point (m):
+    /// across it, and along it, where the fluid slides but the mass of the body leaves the layer out, with its power, W.
     /// `rate` is the density over the step, kg/(m³ s).
     fn inertia(
         &self,
@@ -211,14 +222,14 @@ where
         before: &Stations<D>,
         markers: &Markers<D>,
         rate: f64,
-    ) -> (Force<D>, Vector<D>, f64) {
-        let (mut across, mut along, mut power) = (Force::default(), Vector::zeros(), 0.0);
+    ) -> (Force<D>, Force<D>, f64) {
+        let (mut across, mut along, mut power) = (Force::default(), Force::default(), 0.0);
         for (k, velocity) in self.parts.means(&before.velocity) {
             let marker = markers.get(k);
             let whole = (marker.velocity - velocity) * (marker.layer * rate);
             let part = marker.along * whole;
             across.add(&(whole - part), &(marker.position - about));
-            along += part;
+            along.add(&part, &(marker.position - about));
             power += part.dot(&marker.velocity);
         }
         (across, along, power)
@@ -264,7 +275,8 @@ where
         let (mut bodies, mut flexible, mut rigid) = (Vec::new(), Vec::new(), Vec::new());
         for (number, body) in parameters.thin() {
             let (is_rigid, nu) = (number < rigid_bodies, parameters.kinematic_viscosity);
-            bodies.push(Thin::new(number, &body, is_rigid, c_eta, nu, cell, &mut markers));
+            let fluid = (nu, parameters.density);
+            bodies.push(Thin::new(number, &body, is_rigid, c_eta, fluid, cell, &mut markers));
             match number.checked_sub(rigid_bodies) {
                 Some(number) => flexible.push(number),
                 None => rigid.push(RigidNodes::new(&body.nodes, &parameters.bodies[number])),
@@ -395,6 +407,11 @@ where
         }
     }
 
+    /// Return whether a flexible body is a surface.
+    pub fn has_surface(&self) -> bool {
+        self.bodies.iter().any(|thin| matches!(thin.facing, Facing::Surface(_, Some(_))))
+    }
+
     /// Return the flexible bodies, each with its number among them and its nodes among all `stations`.
     fn with_nodes<'a>(&'a self, stations: &'a [Stations<D>]) -> impl Iterator<Item = (&'a Thin<D>, usize)> {
         debug_assert!(self.flexible.iter().all(|number| *number < stations.len()), "a list for each flexible body");
@@ -418,15 +435,15 @@ where
         }
     }
 
-    /// Sum up the forces, and the exchanges of the flexible bodies, of a step of size `dt` (s) that ends with `stations`.
-    /// `forces` has the unsteady terms of the bodies on springs.
+    /// Sum up the forces, and the exchanges of the flexible bodies, of a step of size `dt` (s) that ends with `stations`;
+    /// each surface is `owed` its part of what it gets. `forces` has the unsteady terms of the bodies on springs.
     pub fn sum_up_forces(
         &self,
         dt: f64,
         stations: &[Stations<D>],
         before: &[Stations<D>],
         forces: &mut [BodyForce<D>],
-        exchange: &mut [Exchange<D>],
+        (exchange, owed): (&mut [Exchange<D>], &mut [Freedoms]),
     ) {
         let markers = &self.drag.markers;
         for (thin, number) in self.with_nodes(stations) {
@@ -435,8 +452,13 @@ where
             let mut exchanged = force.force;
             if let Facing::Surface(..) = thin.facing {
                 let (across, along, of_layer) = thin.inertia(&centre[0], &before[number], markers, self.density / dt);
-                (exchanged, power) = (exchanged - along, power - of_layer);
+                (exchanged, power) = (exchanged - along.force, power - of_layer);
                 forces[thin.number].force = force.plus(&across);
+                if let Some(owed) = owed.get_mut(number) {
+                    let moment = force.moment - along.moment + <[f64; D]>::cross(&centre[0], &exchanged);
+                    let given = join(&exchanged, moment);
+                    owed.iter_mut().zip(given).for_each(|(owed, given)| *owed += dt * given);
+                }
             } else {
                 forces[thin.number].update(force, thin.displaced(centre, markers, self.density), dt);
             }
@@ -454,6 +476,21 @@ where
         }
     }
 
+    /// Take off what each surface took of its loads in a step of `h` seconds between two places of all flexible bodies; of
+    /// a first step, for which none are announced, nothing is owed.
+    pub fn settle(&mut self, h: f64, ends: [&[Stations<D>]; 2], loads: &[Loads<D>], owed: &mut [Freedoms]) {
+        for (thin, number) in self.bodies.iter_mut().zip(&self.flexible) {
+            if let Facing::Surface(_, Some(FlexibleSurface { taken, .. })) = &mut thin.facing {
+                let (loads, owed) = (&loads[*number], &mut owed[*number]);
+                let taken = taken.sum(h, ends.map(|all| &all[*number]), loads);
+                owed.iter_mut().zip(taken).for_each(|(owed, taken)| *owed -= h * taken);
+                if loads.impedance.iter().all(|impedance| *impedance == 0.0) {
+                    *owed = [0.0; 6];
+                }
+            }
+        }
+    }
+
     /// Write the pressure jumps and the shear stresses of each line in the plane and surface in space at its stations, Pa,
     /// in a step of `dt` seconds from the stations `before`; both have a list for each flexible body.
     pub fn write_stresses(
@@ -466,7 +503,7 @@ where
         for (thin, number) in self.with_nodes(stations) {
             let (force, nodes) = (|k| self.drag.on_body(k), [&stations[number], &before[number]]);
             let (jump, shear) = (&mut jumps[number], &mut shears[number]);
-            if let Facing::Surface(facets, Some(stress)) = &thin.facing {
+            if let Facing::Surface(facets, Some(FlexibleSurface { stress, .. })) = &thin.facing {
                 stress.write((&thin.parts, facets), force, self.density, dt, nodes, (jump, shear));
             } else if let Some(stress) = &thin.stress {
                 stress.write(force, self.density, dt, nodes, [jump, &mut shear[0]]);

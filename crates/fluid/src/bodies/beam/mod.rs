@@ -85,6 +85,13 @@ where
         *looked_ahead = true;
     }
 
+    /// Look ahead once more, if the beam did, after a step that leads elsewhere.
+    pub fn look_again(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
+        if self.looked_ahead {
+            self.look_ahead(ahead, stations, grid);
+        }
+    }
+
     /// Move to where [`Self::look_ahead`] looked; the cells then sample and are painted.
     pub fn move_ahead(&mut self) {
         if self.looked_ahead {
