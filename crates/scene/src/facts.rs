@@ -194,8 +194,8 @@ impl Scene {
         warnings.extend(self.fluid.iter().flat_map(|fluid| layers(self, fluid, &scales, velocity)));
         if let (Some(fluid), Some(Dimensionless { length: Some(length), velocity, .. })) = (&self.fluid, &dimensionless)
         {
-            let passage = velocity.map(|velocity| length / velocity);
-            warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passage));
+            let passages = [Some(*length), self.thin_layer(fluid)].map(|way| Some(way? / (*velocity)?));
+            warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passages));
         }
         let wing = self.wing.as_ref().map(wing_facts);
         Facts {
