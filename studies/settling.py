@@ -33,6 +33,20 @@ BOUNCES = {
 }
 """By the Stokes number: speed of the fall, m/s, and heights of the gap after the bounces by the diameter (Gondret et
 al. 2002, digitized by Biegert et al. 2017)."""
+START, RELEASE = 40.0, 0.5
+"""Rate of the smooth start to the speed of the fall, 1/s, and gap at which the sphere is free, by the diameter."""
+
+
+def led(height: float, diameter: float, speed: float) -> dict[str, Any]:
+    """Return the changes of the scene for a sphere that is led from a height (m) to `RELEASE` with the velocity
+    u (exp(-40 t) - 1)."""
+    times = np.linspace(0.0, 1.0, 10_001)
+    ways = speed * (times + np.expm1(-START * times) / START)
+    release = float(np.interp(height - (0.5 + RELEASE) * diameter, ways, times))
+    times = np.linspace(0.0, release, 41)
+    ways, slope = -speed * (times + np.expm1(-START * times) / START), speed * float(np.expm1(-START * release))
+    table = {"times": times.tolist(), "values": ways.tolist(), "end_slopes": [0.0, slope]}
+    return {"fluid.bodies.0.motion": {"z": {"table": table}}, "fluid.bodies.0.mount.release": release}
 
 
 def falling(nu: float, density: float, ratio: float, diameter: float, cells: int) -> dict[str, Any]:
