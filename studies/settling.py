@@ -33,10 +33,26 @@ BOUNCES = {
 }
 """By the Stokes number: speed of the fall, m/s, and heights of the gap after the bounces by the diameter (Gondret et
 al. 2002, digitized by Biegert et al. 2017)."""
+HEIGHTS = {27: 12.5, 152: 22}
+"""Heights at the start by the diameter."""
+START, RELEASE = 40.0, 0.5
+"""Rate of the smooth start to the speed of the fall, 1/s, and gap at which the sphere is free, by the diameter."""
+
+
+def led(height: float, diameter: float, speed: float) -> dict[str, Any]:
+    """Return the changes of the scene for a sphere that is led from a height (m) to `RELEASE` with the velocity
+    u (exp(-40 t) - 1)."""
+    times = np.linspace(0.0, 1.0, 10_001)
+    ways = speed * (times + np.expm1(-START * times) / START)
+    release = float(np.interp(height - (0.5 + RELEASE) * diameter, ways, times))
+    times = np.linspace(0.0, release, 41)
+    ways, slope = -speed * (times + np.expm1(-START * times) / START), speed * float(np.expm1(-START * release))
+    table = {"times": times.tolist(), "values": ways.tolist(), "end_slopes": [0.0, slope]}
+    return {"fluid.bodies.0.motion": {"z": {"table": table}}, "fluid.bodies.0.mount.release": release}
 
 
 def falling(nu: float, density: float, ratio: float, diameter: float, cells: int) -> dict[str, Any]:
-    """Return the changes of the scene for a sphere that falls 22 diameters in a box 6 wide; arguments as of `FINE`."""
+    """Return the changes of the scene for a sphere in a box 24 diameters high and 6 wide; arguments as of `FINE`."""
     side, ends, step = 3 * diameter, [-0.5 * diameter, 23.5 * diameter], 0.2 * diameter / cells / BOUNCES[152]["impact"]
     return {
         "fluid.kinematic_viscosity": nu,
@@ -44,7 +60,7 @@ def falling(nu: float, density: float, ratio: float, diameter: float, cells: int
         "fluid.box": {"x": [-side, side], "y": [-side, side], "z": ends, "cells": [6 * cells, 6 * cells, 24 * cells]},
         "fluid.channel.z": [0.0, 23 * diameter],
         "fluid.bodies.0.shape.sphere.radius": 0.5 * diameter,
-        "fluid.bodies.0.position": [0.0, 0.0, 22 * diameter],
+        "fluid.bodies.0.position": [0.0, 0.0, HEIGHTS[152] * diameter],
         "fluid.bodies.0.mount.mass": ratio * density * np.pi / 6 * diameter**3,
         "fluid.mask.log_linear.c_eta": step / 50,
         "time.end": 0.3,
@@ -67,8 +83,9 @@ def cases() -> Iterator[Case]:
         about = {"expected": expected, "grid": f"{n} cells"}
         yield Case(f"cylinder/{n} cells", FLUID, CYLINDER, changes, about=about)
     for stokes, (label, roughness) in [(27, own) for own in ROUGHNESS.items()] + [(152, (", rough", 3e-3))]:
-        changes, diameter = ({}, 0.006) if stokes == 27 else (falling(*FINE), FINE[3])
-        changes = changes | {"contact.film.roughness": roughness * 0.5 * diameter}
+        changes, diameter = ({"time.end": 0.22}, 0.006) if stokes == 27 else (falling(*FINE), FINE[3])
+        changes |= led(HEIGHTS[stokes] * diameter, diameter, BOUNCES[stokes]["impact"])
+        changes["contact.film.roughness"] = roughness * 0.5 * diameter
         about = {"expected": BOUNCES[stokes], "grid": f"St {stokes}{label}"}
         yield Case(f"rebound/St {stokes}{label}", FLUID, REBOUND, changes, about=about)
 

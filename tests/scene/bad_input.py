@@ -31,6 +31,7 @@ PAIR = "filament-pair-192x128"
 BEAM = '{"root": {"at": {"position": [0, 0], "direction": [1, 0]}}, "length": 1, "thickness": 0.08, "segments": 8}'
 BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
 CIRCLE = '"shape": {"circle": {"radius": 0.02}}'
+SINE, AT_ONE = '{"sine": {"amplitude": 0.1, "frequency": 1}}', '"mount": {"mass": 9, "y": {}, "release": 1}'
 THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
@@ -164,6 +165,7 @@ TYPES = [
     (FSI3, f'{BODY}, {CIRCLE}, "motion": {{"z": {{}}}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 0, "y": {{}}}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "y": {{"stiffness": -1}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": {{}}, "mount": {{"mass": 9, "y": {{}}, "release": -1}}}}]'),
 ]
 """Values that types and ranges do not allow."""
 
@@ -171,6 +173,10 @@ RELATIONS = [
     (CSM1, 'display={"length": "mm", "time": "s"}'),
     (VEIN, "display.time=ms"),
     (FSI3, f'{BODY}, {CIRCLE}, "motion": "master", "mount": {{"mass": 9, "y": {{}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": {{}}, "mount": {{"mass": 9, "y": {{}}}}}}]'),
+    (FSI3, f"{BODY}, {CIRCLE}, {AT_ONE}}}]"),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": {{"x": {SINE}}}, {AT_ONE}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": {{"angle": {SINE}}}, {AT_ONE}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "angle": {{}}}}}}]'),
     (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "inertia": 1, "y": {{}}}}}}]'),

@@ -9,7 +9,7 @@ use contact::{Before, Cells, Law, Obstacle, SurfacePoint, nearest_image, nearest
 
 use crate::bodies::{Bodies, Carried, Push, place};
 use crate::force::Exchange;
-use crate::parameters::{Extent, Flexible, Motion, Parameters, Skin};
+use crate::parameters::{Extent, Flexible, Parameters, Skin};
 use crate::space::{Kinematics, Space, Vector};
 use crate::stations::{Loads, Stations};
 
@@ -99,8 +99,7 @@ where
                 pairs.push(([i, j], [of([i, j]), of([j, i])]));
             }
         }
-        let on_mount =
-            parameters.bodies.iter().enumerate().filter(|(_, body)| matches!(body.motion, Some(Motion::Mount(_))));
+        let on_mount = parameters.bodies.iter().enumerate().filter(|(_, body)| body.mount().is_some());
         let bodies: Vec<_> = on_mount
             .filter_map(|(number, body)| {
                 let solid = body.shape.obstacle()?;

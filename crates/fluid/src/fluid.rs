@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use line_fft::Team;
 
-use crate::bodies::{Carried, Placement, Pose};
+use crate::bodies::{Carried, Placement, Pose, Rigid};
 use crate::error::Error;
 use crate::field::is_available;
 use crate::flexible_contact::FlexibleContact;
@@ -108,7 +108,8 @@ where
         let mut problem = Problem::new(&parameters.around_bodies());
         let stations: Vec<_> = parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect();
         problem.place(&Placement { time: 0.0, displacements: &[], stations: &stations, before: &stations });
-        let carried = vec![Carried::default(); problem.bodies.carried().count()];
+        let at_start = |rigid: &Rigid<D>| Carried::at(rigid.before_release(0.0).unwrap_or_default());
+        let carried: Vec<_> = problem.bodies.carried().map(|(_, rigid)| at_start(rigid)).collect();
         let displaced = vec![Pose::default(); carried.len()];
         let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
         // Components of the shear stress of a body.
@@ -199,6 +200,16 @@ where
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
     pub fn start_at(&mut self, time: f64) {
+        for ((_, rigid), carried) in self.problem.bodies.carried().zip(&mut self.present.carried) {
+            if let Some(displacement) = rigid.before_release(time) {
+                *carried = Carried::at(displacement);
+            }
+        }
+        self.begin_at(time);
+    }
+
+    /// Start at a time (s) with the present displacements of the bodies that laws do not move.
+    fn begin_at(&mut self, time: f64) {
         self.present.time = time;
         self.place_at_present();
         self.solver.place_grids(&[], &self.present, &self.problem);
@@ -217,7 +228,7 @@ where
         self.limits.check_displacements(bodies.carried().map(|(_, rigid)| rigid), to, &self.grid_of_bodies())?;
         for (((_, rigid), carried), to) in bodies.carried().zip(&mut self.present.carried).zip(to) {
             if rigid.announces() {
-                *carried = Carried { now: *to, before: *to, ..*carried };
+                *carried = Carried::at(*to);
             }
         }
         self.place_at_present();
@@ -325,7 +336,7 @@ where
         }
         Stations::copy_all(&mut self.motion.target, &known.flexible.stations);
         self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
-        self.start_at(known.time);
+        self.begin_at(known.time);
         self.pressures.invalidate();
         self.solver.place_grids(&other.solver.ways(), &self.present, &self.problem);
         let velocities: [_; D] = std::array::from_fn(|axis| other.solver.velocities(axis));
@@ -429,7 +440,8 @@ where
             }
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
-            let is_last = done == 1.0;
+            let (is_last, end_time) = (done == 1.0, t + done * h);
+            self.problem.bodies.release(end_time, dt);
             let Motion { from, between, target, displaced_from, displaced, displaced_at_end, displaced_to } =
                 &mut self.motion;
             let (carried, ends) = (&self.present.carried, displaced_from.iter().zip(&*displaced_to));
@@ -438,7 +450,11 @@ where
                 self.problem.bodies.carried().zip(places).zip(carried.iter().zip(ends))
             {
                 *end = if is_last { *b } else { Pose::interpolated(a, b, done, h) };
-                *placed = if rigid.is_predicted() { carried.predicted(dt, self.present.step) } else { *end };
+                *placed = match rigid.before_release(end_time) {
+                    _ if rigid.is_predicted() => carried.predicted(dt, self.present.step),
+                    Some(by_law) => by_law,
+                    None => *end,
+                };
             }
             let (stations, ahead) = if is_last {
                 between.iter_mut().zip(&*target).for_each(|(ahead, target)| ahead.extrapolate(target, h));
@@ -449,7 +465,7 @@ where
                 (&*between, None)
             };
             let (displacements, ends) = (&**displaced, &**displaced_at_end);
-            let step = Substep { dt, end: t + done * h, stations, displacements, ends, ahead, max_cfl, shortest, team };
+            let step = Substep { dt, end: end_time, stations, displacements, ends, ahead, max_cfl, shortest, team };
             self.solver.step(&step, &mut self.present, &mut self.problem)?;
             if is_last {
                 return Ok(());

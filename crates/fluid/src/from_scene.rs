@@ -220,13 +220,20 @@ where
                 Motion::of_rotations(displacement, laws.turns().map(|(about, angle)| (axis(about), law(angle))))
             }
         };
+        let motion = match (body.motion.as_ref().map(driven), &body.mount) {
+            (Some(Motion::Laws(laws)), Some(own)) => {
+                Some(Motion::Released { laws, release: body.release().unwrap_or_default(), mount: mount(own) })
+            }
+            (None, Some(own)) => Some(Motion::Mount(mount(own))),
+            (motion, _) => motion,
+        };
         Body {
             name: format!("{name} {}", k + 1),
             shape: shape(&body.shape),
             position: components(&body.position),
             pivot: components(&body.pivot),
             turn: turn(body),
-            motion: body.motion.as_ref().map(driven).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
+            motion,
             announces: false,
         }
     })

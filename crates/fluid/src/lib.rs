@@ -61,7 +61,7 @@ pub use grid::Grid;
 pub use gust::Gust;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
 pub use parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, Law, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Laws, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
 };
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;

@@ -100,7 +100,7 @@ impl StepLimits {
     where
         [f64; D]: Space<D>,
     {
-        for (rigid, displacement) in carried.zip(displacements).filter(|(rigid, _)| rigid.mount().is_none()) {
+        for (rigid, displacement) in carried.zip(displacements).filter(|(rigid, _)| rigid.is_driven()) {
             let (places, rates) = (displacement.places(), displacement.rates());
             let finite = places.iter().chain(&rates).all(|value| value.is_finite());
             if !finite || is_far(rigid.pose_of(displacement).position.into(), grid) {

@@ -204,7 +204,7 @@ where
     /// # Panics
     /// For a body that moves otherwise.
     pub fn displacement_mut(&mut self, body: usize) -> &mut Pose<D> {
-        let is_driven = |(own, rigid): (usize, &Rigid<D>)| own == body && rigid.mount().is_none();
+        let is_driven = |(own, rigid): (usize, &Rigid<D>)| own == body && rigid.is_driven();
         let place = self.problem.bodies.carried().position(is_driven);
         &mut self.motion.displaced_to[place.expect("the master moves the body")]
     }

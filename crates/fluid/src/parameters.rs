@@ -253,17 +253,33 @@ where
     [f64; D]: Space<D>,
 {
     /// By laws of time.
-    Laws {
-        /// Displacement of the pivot, m.
-        displacement: [Law; D],
-        /// Axis in the domain, of the length 1, in the plane 1, and angle, rad, of the rotations about the pivot after
-        /// the turn at rest, in order.
-        rotations: Vec<(Spin<D>, Law)>,
-    },
+    Laws(Laws<D>),
     /// As set from outside for the end of each communication step.
     Master,
     /// On springs and dampers, under the force of the fluid.
     Mount(Mount<D>),
+    /// By laws until its release, and from there on, as fast as it is then, on a mount. A step that ends later is free.
+    Released {
+        /// The laws.
+        laws: Laws<D>,
+        /// Time of the release, s.
+        release: f64,
+        /// The mount.
+        mount: Mount<D>,
+    },
+}
+
+/// A motion by laws of time.
+#[derive(Clone, Debug)]
+pub struct Laws<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// Displacement of the pivot, m.
+    pub displacement: [Law; D],
+    /// Axis in the domain, of the length 1, in the plane 1, and angle, rad, of the rotations about the pivot after the
+    /// turn at rest, in order.
+    pub rotations: Vec<(Spin<D>, Law)>,
 }
 
 /// A body on springs and dampers. Its centre of mass is the pivot.
@@ -489,7 +505,13 @@ where
             }
             self.check_thin(&thin)?;
         }
-        let Some(Motion::Mount(mount)) = &body.motion else { return Ok(()) };
+        if let Some(Motion::Released { release, .. }) = body.motion
+            && !(release.is_finite() && release >= 0.0)
+        {
+            let (name, allowed) = ("time of the release of a body", "a finite number of at least 0");
+            return Err(Error::Parameter { name, value: release, allowed });
+        }
+        let Some(mount) = body.mount() else { return Ok(()) };
         if !implicit {
             return Err(Error::MountScheme);
         }
@@ -648,6 +670,22 @@ where
         Self { name, shape, position, pivot: [0.0; D], turn, motion: None, announces: false }
     }
 
+    /// Return the laws that move it, of a body that is released until then.
+    pub fn laws(&self) -> Option<&Laws<D>> {
+        match &self.motion {
+            Some(Motion::Laws(laws) | Motion::Released { laws, .. }) => Some(laws),
+            _ => None,
+        }
+    }
+
+    /// Return its mount, of a body that is released from then on.
+    pub fn mount(&self) -> Option<&Mount<D>> {
+        match &self.motion {
+            Some(Motion::Mount(mount) | Motion::Released { mount, .. }) => Some(mount),
+            _ => None,
+        }
+    }
+
     /// Return a thin body as one with nodes, in its own axes; none of a solid.
     pub(crate) fn thin(&self) -> Option<Flexible<D>> {
         let (nodes, between) = self.shape.thin()?;
@@ -695,7 +733,7 @@ where
     pub fn of_rotations(displacement: [Law; D], rotations: impl IntoIterator<Item = (Spin<D>, Law)>) -> Self {
         let length = |axis| <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
         let rotations = rotations.into_iter().map(|(axis, angle)| (axis / length(axis), angle)).collect();
-        Self::Laws { displacement, rotations }
+        Self::Laws(Laws { displacement, rotations })
     }
 }
 
@@ -706,6 +744,11 @@ where
     /// Return the mass along each axis, then the moments of inertia about z in the plane or the axes of the body.
     pub(crate) fn own_inertia(&self) -> Freedoms {
         freedoms::<D>(self.mass, self.inertia)
+    }
+
+    /// Return whether it lets the body move along each freedom.
+    pub(crate) fn free(&self) -> [bool; 6] {
+        self.supports.map(|support| support.is_some())
     }
 }
 

@@ -17,7 +17,7 @@ where
     pub now: Pose<D>,
     /// One step earlier.
     pub before: Pose<D>,
-    /// Accelerations along the freedoms in the last step, of a body on springs.
+    /// Accelerations along the freedoms in the last step.
     pub acceleration: Freedoms,
 }
 
@@ -26,7 +26,7 @@ where
     [f64; D]: Kinematics<D>,
 {
     fn default() -> Self {
-        Self { now: Pose::default(), before: Pose::default(), acceleration: [0.0; 6] }
+        Self::at(Pose::default())
     }
 }
 
@@ -34,6 +34,11 @@ impl<const D: usize> Carried<D>
 where
     [f64; D]: Kinematics<D>,
 {
+    /// Return the displacement of a body that begins at one, in its motion.
+    pub fn at(now: Pose<D>) -> Self {
+        Self { now, before: now, acceleration: [0.0; 6] }
+    }
+
     /// Return the displacement expected after a step of `dt` seconds, the last one being `before` (s; 0 if there was
     /// none).
     pub fn predicted(&self, dt: f64, before: f64) -> Pose<D> {
@@ -45,6 +50,13 @@ where
         let half: Freedoms = from_fn(|i| places[i] + 0.5 * dt * slope[i]);
         let middle = Pose::<D>::new(&half, &from_fn(|i| rates[i] + 0.5 * growth[i])).rates_of_places();
         Pose::new(&from_fn(|i| places[i] + dt * middle[i]), &from_fn(|i| rates[i] + growth[i]))
+    }
+
+    /// Return the accelerations along the freedoms in a step to a displacement with the coefficients `c` of the backward
+    /// differences.
+    pub fn acceleration_to(&self, end: &Pose<D>, c: &[f64; 3]) -> Freedoms {
+        let [v, now, before] = [end, &self.now, &self.before].map(Pose::rates);
+        from_fn(|i| c[0] * v[i] - c[1] * now[i] - c[2] * before[i])
     }
 
     /// Return whether all numbers are finite.

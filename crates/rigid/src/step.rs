@@ -146,8 +146,7 @@ where
         fluid: &Mass<D>,
         predicted: &Freedoms,
     ) -> Self {
-        let [v, now, before] = [displacement, carried.now, carried.before].map(|pose| pose.rates());
-        let acceleration = from_fn(|i| c[0] * v[i] - c[1] * now[i] - c[2] * before[i]);
+        let (v, acceleration) = (displacement.rates(), carried.acceleration_to(&displacement, &c));
         let change = from_fn(|i| v[i] - predicted[i]);
         let unsteady = fluid.rate_of_momentum(&acceleration, predicted);
         Self { displacement, acceleration, change, unsteady, matrix: [[0.0; 6]; 6] }

@@ -8,11 +8,11 @@ use geometry::{AXES, Chain, Placed, Surface};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Check, Faults};
+use crate::fault::{Check, Fault, Faults};
 use crate::law::{TimeLaw, values_and_rates};
 use crate::mount::Mount;
 use crate::reference_scales::{ReferenceScales, vector};
-use crate::root::{Rotation, Z_AXIS};
+use crate::root::{Rotation, Z_AXIS, turned_at_rate};
 use crate::shape::Shape;
 
 /// A rigid body.
@@ -35,10 +35,10 @@ pub struct Body {
     /// Turn from the axes of the box to those of the body, before the motion; only in three dimensions.
     #[serde(default)]
     pub turn: Option<Turn>,
-    /// Prescribed motion; absent for a body that is still or has a mount.
+    /// Prescribed motion, of a body on a mount until its release; absent for a body that is still.
     #[serde(default)]
     pub motion: Option<BodyDrive>,
-    /// Springs and dampers on which the fluid moves the body; absent for one that is still or has a motion.
+    /// Springs and dampers on which the fluid moves the body; absent for one that is still or has only a motion.
     #[serde(default)]
     pub mount: Option<Mount>,
     /// Scales of its coefficients, in place of those that follow from shape and stream.
@@ -150,6 +150,7 @@ impl Body {
         });
         if let Some(mount) = &self.mount {
             mount.check(&format!("{key}.mount"), is_space, faults);
+            self.check_held(&format!("{key}.mount"), is_space, faults);
         }
         let flat_area = !is_space && self.reference.as_ref().is_some_and(|own| own.area.is_some());
         faults.forbid(flat_area, &format!("{key}.reference.area"), || {
@@ -210,9 +211,10 @@ impl Body {
         turns.into_iter().fold(at_rest, |axes, turn| axes.map(|axis| by(axis, turn)))
     }
 
-    /// Return the axes of the body and their origin, m, at time `t`, s.
+    /// Return the axes of the body and their origin, m, at time `t`, s, or at an earlier release.
     pub fn pose_at(&self, t: f64) -> ([[f64; 3]; 3], [f64; 3]) {
         let Some(laws) = self.laws() else { return self.pose([0.0; 3], []) };
+        let t = self.release().map_or(t, |release| t.min(release));
         self.pose(laws.displacement(t).0, laws.turns().map(|(axis, angle)| (axis, angle.value(t))))
     }
 
@@ -259,9 +261,7 @@ impl Check for Body {
         self.shape.check_at(&format!("{key}.shape"), faults);
         self.check_passage(key, faults);
         self.reference.check_at(&format!("{key}.reference"), faults);
-        faults.forbid(self.mount.is_some() && self.motion.is_some(), &format!("{key}.mount"), || {
-            "`motion` moves the body already; remove one of the two".into()
-        });
+        self.check_release(&format!("{key}.mount"), faults);
         let Some(motion) = self.laws() else { return };
         for (name, law) in AXES.into_iter().zip(motion.along()).chain([("angle", &motion.angle)]) {
             law.check_at(&format!("{key}.motion.{name}"), faults);
@@ -271,6 +271,42 @@ impl Check for Body {
 }
 
 impl Body {
+    /// Check that it is on the mount at all times or released to it; `key` is the path of the mount.
+    fn check_release(&self, key: &str, faults: &mut Faults) {
+        let Some(mount) = &self.mount else { return };
+        let (release, laws) = (mount.release, self.laws());
+        faults.forbid(self.motion.is_some() && (laws.is_none() || release.is_none()), key, || match laws {
+            Some(_) => "`motion` moves the body already; `release` is the time from which the mount does".into(),
+            None => "the master moves the body already; remove one of the two".into(),
+        });
+        faults.forbid(self.motion.is_none() && release.is_some(), &format!("{key}.release"), || {
+            "the body has no `motion` from which it could be released".into()
+        });
+    }
+
+    /// Check that the mount does not stop it at its release; `key` is the path of the mount.
+    fn check_held(&self, key: &str, is_space: bool, faults: &mut Faults) {
+        let (Some(laws), Some(release)) = (self.laws(), self.release()) else { return };
+        let (_, velocity) = laws.displacement(release);
+        let turns: Vec<_> = laws.turns().map(|(axis, law)| (unit(axis), law.value_and_rate(release))).collect();
+        // The angular velocity is half the sum of e × e' over the axes.
+        let omega = [0, 1, 2]
+            .map(|d| turned_at_rate(turns.iter().copied(), std::array::from_fn(|e| f64::from(u8::from(d == e)))));
+        let omega = omega.iter().fold([0.0; 3], |sum, (e, rate)| {
+            let own = cross(*e, *rate);
+            std::array::from_fn(|d| sum[d] + 0.5 * own[d])
+        });
+        let sum = |laws: &mut dyn Iterator<Item = &TimeLaw>| laws.map(TimeLaw::largest_rate).sum::<f64>();
+        let least = [sum(&mut laws.along().into_iter()), sum(&mut laws.turns().map(|(_, law)| law))];
+        for own in self.freedoms(is_space).iter().filter(|own| own.support.is_none()) {
+            let rate = if own.turns { omega[own.axis] } else { velocity[own.axis] };
+            if rate.abs() > ALONG * least[usize::from(own.turns)] {
+                let reason = "`motion` still moves the body in this direction at its release";
+                faults.push(Fault::needed(&format!("{key}.{}", own.name), reason));
+            }
+        }
+    }
+
     /// Check that a cylinder through the whole box lies along it.
     fn check_passage(&self, key: &str, faults: &mut Faults) {
         let Shape::CircularCylinder { axis, length: None, .. } = self.shape else { return };
@@ -289,6 +325,11 @@ impl Body {
     /// Return the laws that move the body, if there are any.
     pub fn laws(&self) -> Option<&BodyMotion> {
         if let Some(BodyDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
+    }
+
+    /// Return the time at which it is released from its laws, s.
+    pub fn release(&self) -> Option<f64> {
+        self.mount.as_ref().and_then(|mount| mount.release)
     }
 
     /// Return whether the master moves the body.

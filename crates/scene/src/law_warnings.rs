@@ -44,9 +44,9 @@ const ADVISED: f64 = 20.0;
 pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     let step = scene.time.communication_step;
     let mut found = Vec::new();
-    visit(scene, &mut |key, law| {
+    visit(scene, &mut |key, law, end| {
         law.visit(&key, &mut |key, law| {
-            found.extend(tables(key, law, scene.time.end));
+            found.extend(tables(key, law, end));
             found.extend(sudden(key, law, step));
             found.extend(law.highest_frequency().and_then(|frequency| fast(key, "`", "", frequency, step)));
         });
@@ -58,6 +58,15 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
             let frequency = support.map_or(0.0, |support| (support.stiffness / inertia).sqrt() / (2.0 * PI));
             let key = format!("fluid.bodies[{i}].mount.{name}.stiffness");
             found.extend(fast(&key, "the spring of `", " without the fluid", frequency, step));
+        }
+    }
+    let released = scene.fluid.iter().flat_map(|fluid| &fluid.bodies).enumerate();
+    for (i, release) in released.filter_map(|(i, body)| Some((i, body.release()?))) {
+        if release >= scene.time.end {
+            let key = format!("fluid.bodies[{i}].mount.release");
+            let text =
+                format!("`{key}` is {} s, not before the end of the run: the body is never free", rounded(release));
+            found.push(warning(&key, None, text));
         }
     }
     if let Some(flyer) = &scene.flyer {
@@ -94,14 +103,15 @@ pub(crate) fn of_drag(fluid: &Fluid, step: f64, [passage, of_layer]: [Option<f64
     Some(warning("fluid.mask", None, text))
 }
 
-/// Call `see` with every law of a scene and its key.
-fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
+/// Call `see` with the key of every law of a scene, the law, and the time to which it holds, s.
+fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw, f64)) {
+    let end = scene.time.end;
     if let Some(fluid) = &scene.fluid {
         for zone in fluid.zones().into_iter().flatten() {
-            see(format!("fluid.{}.mean_velocity", zone.name), zone.mean_velocity);
+            see(format!("fluid.{}.mean_velocity", zone.name), zone.mean_velocity, end);
         }
         for (name, law) in fluid.mean_flow.iter().flat_map(|mean| mean.laws()) {
-            see(format!("fluid.mean_flow.{name}"), law);
+            see(format!("fluid.mean_flow.{name}"), law, end);
         }
     }
     let of_fluid = scene.fluid.iter().flat_map(Fluid::obstacles).map(|own| (own.key, own.body));
@@ -109,6 +119,8 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
     let of_contact = of_contact.map(|(i, body)| (format!("contact.obstacles[{i}]"), body));
     for (key, body) in of_fluid.chain(of_contact) {
         let Some(motion) = body.laws() else { continue };
+        let see =
+            &mut |key: String, law: &TimeLaw| see(key, law, body.release().map_or(end, |release| release.min(end)));
         visit_motion(&format!("{key}.motion"), motion.along(), &motion.rotations, see);
         see(format!("{key}.motion.angle"), &motion.angle);
     }
@@ -116,22 +128,26 @@ fn visit(scene: &Scene, see: &mut dyn FnMut(String, &TimeLaw)) {
         let Some(rod) = own.rod else { continue };
         let key = format!("{}rod", own.key());
         if let Some(laws) = rod.laws() {
-            visit_motion(&format!("{key}.root_motion.laws"), laws.along(), &laws.rotations, see);
+            visit_motion(&format!("{key}.root_motion.laws"), laws.along(), &laws.rotations, &mut |key, law| {
+                see(key, law, end)
+            });
         }
         if let RootSupport::Free { force_x, force_y, force_z } = &rod.root {
             for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
-                see(format!("{key}.root.free.{name}"), law);
+                see(format!("{key}.root.free.{name}"), law, end);
             }
         }
     }
     for own in scene.wings() {
         let Some(laws) = own.wing.laws() else { continue };
-        visit_motion(&format!("{}.root_motion", own.key), laws.along(), &laws.rotations, see);
+        visit_motion(&format!("{}.root_motion", own.key), laws.along(), &laws.rotations, &mut |key, law| {
+            see(key, law, end)
+        });
     }
     for (i, hinge) in scene.flyer.iter().flat_map(|flyer| &flyer.hinges).enumerate() {
         let Some(HingeLaws { stroke, deviation, pitch }) = hinge.laws() else { continue };
         for (name, law) in [("stroke", stroke), ("deviation", deviation), ("pitch", pitch)] {
-            see(format!("flyer.hinges[{i}].motion.{name}"), law);
+            see(format!("flyer.hinges[{i}].motion.{name}"), law, end);
         }
     }
 }

@@ -45,6 +45,11 @@ pub struct Mount {
     #[serde(default)]
     #[schemars(length(max = 3))]
     pub gravity: Vec<f64>,
+    /// Time from which the mount moves the body, s; before, its `motion` does, whose velocity it keeps. A step of the
+    /// fluid that ends later is free. Absent without a motion.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub release: Option<f64>,
 }
 
 /// Moments of inertia.

@@ -6,7 +6,7 @@ use super::pose::pose_at;
 use super::rigid::Rigid;
 use crate::bodies::Carried;
 use crate::error::Error;
-use crate::parameters::{Body, Contact, Motion, Parameters};
+use crate::parameters::{Body, Contact, Parameters};
 use crate::space::{Freedoms, Kinematics, Space, Vector};
 
 /// Contact of the bodies in a fluid: its parts are the rigid bodies, other obstacles, and walls.
@@ -20,6 +20,16 @@ where
     rigid: usize,
 }
 
+/// Equations of a body that is held.
+const HELD: [Freedoms; 6] = {
+    let (mut identity, mut i) = ([[0.0; 6]; 6], 0);
+    while i < 6 {
+        identity[i][i] = 1.0;
+        i += 1;
+    }
+    identity
+};
+
 impl<const D: usize> Contacts<D>
 where
     [f64; D]: Space<D>,
@@ -29,9 +39,8 @@ where
     /// # Errors
     /// [`BodyError::Touch`] for bodies that cannot touch.
     pub fn new(parameters: &Parameters<D>) -> Result<Option<Self>, Error> {
-        let on_mount = |body: &Body<D>| matches!(body.motion, Some(Motion::Mount(_)));
         let Some(Contact { law, obstacles, walls, periods, .. }) = &parameters.contact else { return Ok(None) };
-        if !parameters.bodies.iter().any(on_mount) {
+        if !parameters.bodies.iter().any(|body| body.mount().is_some()) {
             return Ok(None);
         }
         let (bodies, size) = (&parameters.bodies, parameters.grid().size);
@@ -40,8 +49,8 @@ where
             let name = || BodyError::Touch([body.name.clone(), "anything".into()]);
             let solid = body.shape.obstacle().ok_or_else(name)?;
             let mut motion = PartMotion::still(place(body, &pose_at(body, 0.0)));
-            let inertia = if let Some(Motion::Mount(mount)) = &body.motion {
-                motion.free = std::array::from_fn(|i| mount.supports[i].is_some());
+            let inertia = if let Some(mount) = body.mount() {
+                motion.free = mount.free();
                 let displaced = parameters.density * body.shape.moments(&size).volume;
                 let about = (D..<[f64; D]>::FREEDOMS).filter(|i| motion.free[*i]).map(|i| mount.own_inertia()[i]);
                 // A light body is as slow as the fluid that it displaces.
@@ -89,12 +98,13 @@ where
                 }
                 None => pose_at(body, times[0]),
             };
-            let (mut now, mut matrix) = (own.pose, [[0.0; 6]; 6]);
+            let (mut now, mut matrix) = (own.pose, HELD);
             if let Some(found) = &own.spring_motion {
                 (now, matrix) = (own.pose_of(&found.displacement), found.matrix);
             }
             let poses = [before, now].map(|pose| place(body, &pose));
-            *motion = PartMotion { poses, rates: now.rates(), matrix, free: motion.free };
+            let free = own.mount().map(|mount| mount.free()).unwrap_or_default();
+            *motion = PartMotion { poses, rates: now.rates(), matrix, free };
         }
         for (k, body) in obstacles.iter().enumerate() {
             let poses = times.map(|t| pose_at(body, t));

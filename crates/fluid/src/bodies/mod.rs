@@ -167,6 +167,11 @@ where
         self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried())
     }
 
+    /// Let the bodies that are released move in a step of `dt` seconds to a time (s) after their release.
+    pub fn release(&mut self, time: f64, dt: f64) {
+        self.rigid.iter_mut().for_each(|rigid| rigid.release(time, dt));
+    }
+
     /// Set what rods and wings do to bodies on a mount in the coming step, each by its number.
     pub fn push<'a>(&mut self, pushes: impl Iterator<Item = (usize, &'a Push<D>)>) {
         pushes.for_each(|(number, push)| self.rigid[number].push = *push);
@@ -279,13 +284,13 @@ where
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by
-    /// `displacements`, and write that.
-    pub fn commit(&mut self, displacements: &[Pose<D>], carried: &mut [Carried<D>]) {
+    /// `displacements`, and write that; `c` are the coefficients of the backward differences.
+    pub fn commit(&mut self, displacements: &[Pose<D>], c: [f64; 3], carried: &mut [Carried<D>]) {
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
         for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
             let (now, acceleration) = match &rigid.spring_motion {
                 Some(found) => (found.displacement, found.acceleration),
-                None => (*placed, [0.0; 6]),
+                None => (*placed, carried.acceleration_to(placed, &c)),
             };
             *carried = Carried { now, before: carried.now, acceleration };
             rigid.pose = rigid.pose_of(&now);

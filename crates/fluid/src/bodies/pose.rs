@@ -2,26 +2,38 @@
 
 use rigid::Pose;
 
-use crate::parameters::{Body, Motion};
-use crate::space::{Kinematics, Space};
+use crate::parameters::{Body, Laws};
+use crate::space::{Kinematics, Space, Vector};
 
 /// Return place and motion of a body at a time (s); one without a law is at rest.
 pub fn pose_at<const D: usize>(body: &Body<D>, t: f64) -> Pose<D>
 where
     [f64; D]: Space<D>,
 {
-    let angle = <[f64; D]>::angle_at_rest(&body.turn);
-    let mut pose = Pose { position: body.position.into(), angle, ..Pose::default() };
-    if let Some(Motion::Laws { displacement, rotations }) = &body.motion {
-        for (axis, law) in displacement.iter().enumerate() {
-            let (displacement, rate) = law.value_and_rate(t);
-            pose.position[axis] += displacement;
-            pose.velocity[axis] = rate;
-        }
-        for (about, angle) in rotations {
-            let (angle, rate) = angle.value_and_rate(t);
-            (pose.angle, pose.omega) = <[f64; D]>::turned((pose.angle, pose.omega), *about * angle, *about * rate);
-        }
+    displaced(body, &body.laws().map(|laws| displacement_at(laws, t)).unwrap_or_default())
+}
+
+/// Return place and motion of a body for those relative to its place at rest.
+pub fn displaced<const D: usize>(body: &Body<D>, by: &Pose<D>) -> Pose<D>
+where
+    [f64; D]: Space<D>,
+{
+    let angle = <[f64; D]>::angle_at_rest(&body.turn) + by.angle;
+    Pose { position: Vector::from(body.position) + by.position, angle, ..*by }
+}
+
+/// Return displacement and motion that laws give at a time (s).
+pub fn displacement_at<const D: usize>(laws: &Laws<D>, t: f64) -> Pose<D>
+where
+    [f64; D]: Space<D>,
+{
+    let mut pose = Pose::default();
+    for (axis, law) in laws.displacement.iter().enumerate() {
+        (pose.position[axis], pose.velocity[axis]) = law.value_and_rate(t);
+    }
+    for (about, angle) in &laws.rotations {
+        let (angle, rate) = angle.value_and_rate(t);
+        (pose.angle, pose.omega) = <[f64; D]>::turned((pose.angle, pose.omega), *about * angle, *about * rate);
     }
     pose
 }
@@ -35,8 +47,8 @@ mod tests {
 
     use super::*;
     use crate::law::Law;
-    use crate::parameters::Body;
-    use crate::space::{Turn, Vector};
+    use crate::parameters::{Body, Motion};
+    use crate::space::Turn;
 
     #[test]
     fn the_angular_velocity_is_the_rate_of_the_rotations_in_their_order() {

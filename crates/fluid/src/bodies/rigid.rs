@@ -8,7 +8,7 @@ use method::Mask;
 
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
-use super::pose::pose_at;
+use super::pose::{displaced, displacement_at, pose_at};
 use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::kernel::layer_thickness;
@@ -36,7 +36,12 @@ where
     pub spring_motion: Option<SpringMotion<D>>,
     /// What rods and wings do to it in the coming step.
     pub push: Push<D>,
+    /// Whether its mount, if it has one, lets it move in the present step.
+    is_free: bool,
 }
+
+/// Part of a step by which a release may come before its end through rounding.
+const ROUNDING: f64 = 1e-6;
 
 /// Load of contact on a body.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +62,7 @@ where
     /// Return the layer of fluid of a density (kg/m³) that moves with a thin body, limited to the inertia of a body on
     /// springs.
     fn limited(&self, layer: Moments<D>, density: f64) -> Moments<D> {
-        let Some(Motion::Mount(mount)) = &self.motion else { return layer };
+        let Some(mount) = self.mount() else { return layer };
         let (mass, inertia) = layer.about(self.pivot, density);
         let (inertia, own) = (<[f64; D]>::diagonal(inertia), mount.own_inertia());
         let moves = mount.supports[..D].iter().any(Option::is_some);
@@ -96,9 +101,9 @@ where
         };
         let pose = pose_at(&body, 0.0);
         let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
-        let cells = Cells::default();
-        let mut rigid =
-            Self { body, moments, profile, pose, orientation, cells, spring_motion: None, push: Push::default() };
+        let (cells, push) = (Cells::default(), Push::default());
+        let is_free = !matches!(body.motion, Some(Motion::Released { .. }));
+        let mut rigid = Self { body, moments, profile, pose, orientation, cells, spring_motion: None, push, is_free };
         rigid.place(pose, grid);
         rigid
     }
@@ -123,9 +128,27 @@ where
         self.profile.is_none()
     }
 
-    /// Return whether the master or the fluid moves it, rather than a law.
+    /// Return whether the master or the fluid moves it, perhaps from a release on, rather than a law at all times.
     pub fn is_carried(&self) -> bool {
-        matches!(self.body.motion, Some(Motion::Master | Motion::Mount(_)))
+        self.is_driven() || self.body.mount().is_some()
+    }
+
+    /// Return whether the master moves it.
+    pub fn is_driven(&self) -> bool {
+        matches!(self.body.motion, Some(Motion::Master))
+    }
+
+    /// Return the displacement by the laws of a body that is released, at a time (s), after the release that at it; none
+    /// of another body.
+    pub fn before_release(&self, time: f64) -> Option<Pose<D>> {
+        let Some(Motion::Released { laws, release, .. }) = &self.body.motion else { return None };
+        Some(displacement_at(laws, time.min(*release)))
+    }
+
+    /// Release it in a step of `dt` seconds to a time (s) if that is after its release, and hold it otherwise.
+    pub fn release(&mut self, time: f64, dt: f64) {
+        let Some(Motion::Released { release, .. }) = &self.body.motion else { return };
+        self.is_free = time > release + ROUNDING * dt;
     }
 
     /// Return whether its load of the next step is announced.
@@ -138,9 +161,9 @@ where
         self.announces() || self.mount().is_some()
     }
 
-    /// Return its springs and dampers, if it is on such.
+    /// Return its springs and dampers, if it is on such in the present step.
     pub fn mount(&self) -> Option<&Mount<D>> {
-        if let Some(Motion::Mount(mount)) = &self.body.motion { Some(mount) } else { None }
+        self.body.mount().filter(|_| self.is_free)
     }
 
     /// Return its parameters.
@@ -155,14 +178,13 @@ where
 
     /// Return its place and motion for those relative to its place at rest.
     pub fn pose_of(&self, displacement: &Pose<D>) -> Pose<D> {
-        let angle = <[f64; D]>::angle_at_rest(&self.body.turn) + displacement.angle;
-        Pose { position: Vector::from(self.body.position) + displacement.position, angle, ..*displacement }
+        displaced(&self.body, displacement)
     }
 
     /// Return its angle about the axis of the first rotation of its laws, rad; 0 without a law.
     pub fn angle_of_law(&self) -> f64 {
-        let Some(Motion::Laws { rotations, .. }) = &self.body.motion else { return 0.0 };
-        let [angle, axis] = [self.pose.angle, rotations[0].0].map(<[f64; D]>::components);
+        let Some(laws) = self.body.laws() else { return 0.0 };
+        let [angle, axis] = [self.pose.angle, laws.rotations[0].0].map(<[f64; D]>::components);
         angle.iter().zip(axis).map(|(angle, axis)| angle * axis).sum()
     }
 
@@ -285,6 +307,7 @@ mod tests {
 
     use super::*;
     use crate::law::Law;
+    use crate::parameters::Laws;
     use crate::space::Turn;
 
     fn law(amplitude: f64, frequency: f64) -> Law {
@@ -335,23 +358,23 @@ mod tests {
         let outline = Body {
             pivot: [-0.2, 0.05],
             turn: 0.3,
-            motion: Some(Motion::Laws {
+            motion: Some(Motion::Laws(Laws {
                 displacement: [law(0.3, 2.0), law(0.2, 3.0)],
                 rotations: vec![(1.0, law(0.8, 2.5))],
-            }),
+            })),
             ..Body::still("", Outline::Ellipse([0.3, 0.1]), [0.0; 2])
         };
         check(&outline, [0.7; 2], 800);
         let solid = Body {
             pivot: [-0.2, 0.05, 0.1],
             turn: Turn { axis: [1.0, 2.0, -1.0], angle: 0.7 },
-            motion: Some(Motion::Laws {
+            motion: Some(Motion::Laws(Laws {
                 displacement: [law(0.3, 2.0), law(0.2, 3.0), law(0.1, 1.0)],
                 rotations: vec![
                     (Vector::from([2.0, -1.0, 2.0]) / 3.0, law(0.8, 2.5)),
                     (Vector::from([0.0, 0.6, 0.8]), law(0.5, 2.0)),
                 ],
-            }),
+            })),
             ..Body::still("", Solid::Ellipsoid([0.3, 0.1, 0.2]), [0.0; 3])
         };
         check(&solid, [0.7; 3], 90);

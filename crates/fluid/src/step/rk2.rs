@@ -177,7 +177,7 @@ impl<R: Real> Scheme<R, 2> for Rk2<R> {
         self.take_over(flow);
         problem.bodies.sample(|point| flow.velocity_at(point));
         problem.sum_up_forces(step.dt, |cell| present_drag(flow, cell), step.stations, present);
-        step.commit(present, &mut problem.bodies, advection_rate);
+        step.commit([1.0 / step.dt, 1.0 / step.dt, 0.0], present, &mut problem.bodies, advection_rate);
         Ok(())
     }
 

@@ -256,7 +256,7 @@ where
         problem.sum_up_forces(step.dt, self.drag(scheme, flow), step.stations, present);
         problem.timer.mark(Phase::Forces);
         self.take_over(flow, scheme.c[0], present.step);
-        step.commit(present, &mut problem.bodies, advection_rate);
+        step.commit(scheme.c, present, &mut problem.bodies, advection_rate);
     }
 
     /// Return the drag on a cell of a mask over the density, m/s².

@@ -20,8 +20,8 @@ where
     pub end: f64,
     /// Stations of the flexible bodies at the end.
     pub stations: &'a [Stations<D>],
-    /// Displacements at the end of the bodies that laws do not move; predicted where the fluid moves them or announces
-    /// their loads.
+    /// Displacements at the end of the bodies that the master or the fluid moves, perhaps from a release on; predicted
+    /// where the fluid moves them or announces their loads.
     pub displacements: &'a [Pose<D>],
     /// Displacements at the end of the bodies that the master moves.
     pub ends: &'a [Pose<D>],
@@ -59,10 +59,10 @@ where
         Err(Error::Diverged { time: self.end, needed, shortest })
     }
 
-    /// Make the end of the step the present time.
-    pub fn commit(&self, present: &mut Present<D>, bodies: &mut Bodies<D>, advection_rate: f64) {
+    /// Make the end of the step, which has the coefficients `c` of the backward differences, the present time.
+    pub fn commit(&self, c: [f64; 3], present: &mut Present<D>, bodies: &mut Bodies<D>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        bodies.commit(self.displacements, &mut present.carried);
+        bodies.commit(self.displacements, c, &mut present.carried);
         Stations::copy_all(&mut present.flexible.stations, self.stations);
     }
 }

@@ -3,7 +3,7 @@
 use super::markers::Markers;
 use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
-use crate::parameters::{Body, Motion};
+use crate::parameters::Body;
 use crate::space::{Freedoms, Kinematics, Space, Spin, Vector};
 use crate::stations::Stations;
 
@@ -20,7 +20,7 @@ where
     pub velocity: Vector<D>,
     /// Angular velocity, rad/s.
     pub spin: Spin<D>,
-    /// Whether the fluid moves the body.
+    /// Whether the fluid moves the body in the present step.
     pub on_springs: bool,
 }
 
@@ -35,7 +35,7 @@ where
     /// The nodes of a body at places in its axes, m.
     pub fn new(rest: &[[f64; D]], body: &Body<D>) -> Self {
         let from_pivot = rest.iter().map(|node| Vector::from(*node) - Vector::from(body.pivot));
-        let on_springs = matches!(body.motion, Some(Motion::Mount(_)));
+        let on_springs = body.mount().is_some();
         Self {
             rest: from_pivot.collect(),
             nodes: Stations::at_rest(rest),
@@ -49,6 +49,7 @@ where
     /// Move to the place of the body.
     pub fn place(&mut self, rigid: &Rigid<D>) {
         let rates = rigid.pose.rates();
+        self.on_springs = rigid.mount().is_some();
         (self.pivot, self.velocity, self.spin) = (rigid.pose.position, rigid.pose.velocity, rigid.pose.omega);
         for (k, rest) in self.rest.iter().enumerate() {
             let arm = <[f64; D]>::turn(&rigid.orientation, *rest);

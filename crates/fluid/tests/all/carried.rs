@@ -228,3 +228,104 @@ fn the_master_moves_a_body_as_laws_do() {
         assert!(before == driven.state());
     }
 }
+
+/// Return a law through values at multiples of `h` (s), with these slopes at both ends.
+fn table(values: &[f64], h: f64, slopes: [f64; 2]) -> String {
+    let times: Vec<_> = (0..values.len()).map(|k| k as f64 * h).collect();
+    format!(r#"{{ "table": {{ "times": {times:?}, "values": {values:?}, "end_slopes": {slopes:?} }} }}"#)
+}
+
+/// A body that laws lead along its own way through the fluid moves on from its release as if it had always been free:
+/// velocities and accelerations stay, also of one as light as a tenth of the fluid and of a plate without thickness.
+/// Until then its forces are those of a body that laws move, to the bit.
+#[test]
+fn a_released_body_moves_on_as_if_it_had_always_been_free() {
+    let (h, steps) = (0.02, 20);
+    let circle = r#""shape": { "circle": { "radius": 0.5 } }"#;
+    let ellipse = r#""shape": { "ellipse": { "length": 1.2, "thickness": 0.8 } }, "pivot": [-0.2, 0.05], "angle": 0.3"#;
+    let plate = r#""shape": { "plate": { "length": 1.0 } }, "pivot": [0.1, 0.0]"#;
+    let bodies = [
+        (circle, 0.08, "light", 0.5),
+        (circle, 3.0, "heavy", 0.01),
+        (ellipse, 1.5, "oblong", 0.01),
+        (plate, 0.3, "plate", 0.1),
+    ];
+    for (shape, mass, name, most) in bodies {
+        let mount = |release: &str| {
+            format!(
+                r#""mount": {{ "mass": {mass}, "inertia": 0.4, "x": {{}}, "y": {{ "stiffness": 2.0 }}, "angle": {{}},
+                "gravity": [0.3, -0.6] {release} }}"#
+            )
+        };
+        let made = |motion: &str| {
+            let body = format!(r#"{{ {shape}, "position": [0.02, 0.01], {motion} }}"#);
+            fluid_of(&scene(&body, r#""mean_flow": {},"#, 0.02, 64))
+        };
+        let numbers = |fluid: &Fluid| {
+            let Pose { position, angle, velocity, omega } = fluid.pose(0);
+            ([position[0] - 0.02, position[1] - 0.01, angle], [velocity[0], velocity[1], omega])
+        };
+        let mut free = made(&mount(""));
+        let mut way = vec![numbers(&free)];
+        for _ in 0..2 * steps {
+            run(&mut free, 1, h);
+            way.push(numbers(&free));
+        }
+        let rest = way[0].0;
+        let law = |i: usize| {
+            let values: Vec<_> = way[..=steps].iter().map(|(places, _)| places[i] - rest[i]).collect();
+            table(&values, h, [0.0, way[steps].1[i]])
+        };
+        let motion = format!(r#""motion": {{ "x": {}, "y": {}, "angle": {} }}"#, law(0), law(1), law(2));
+        let mut led = made(&motion);
+        let mut released = made(&format!("{motion}, {}", mount(&format!(r#", "release": {}"#, h * steps as f64))));
+        // The last time may be after the end of the tables through rounding.
+        for _ in 1..steps {
+            run(&mut led, 1, h);
+            run(&mut released, 1, h);
+            assert_eq!((led.pose(0), led.force_on_body(0)), (released.pose(0), released.force_on_body(0)), "{name}");
+        }
+        run(&mut released, 1, h);
+        let step = |i: usize| (way[2 * steps].1[i] - way[steps].1[i]).abs() / steps as f64;
+        let (gained, mut worst) = ((0..3).map(step).fold(0.0, f64::max), 0.0);
+        for (_, expected) in &way[steps + 1..] {
+            run(&mut released, 1, h);
+            let now = numbers(&released).1;
+            worst = (0..3).map(|i| (now[i] - expected[i]).abs() / gained).fold(worst, f64::max);
+        }
+        println!("{name}: velocities differ by {worst:.1e} of what they gain in a step");
+        assert!(worst < most, "{name}: velocities differ by {worst} of what they gain in a step");
+    }
+}
+
+/// In a fluid that weighs nothing the differences follow a fall and a turn at constant rates to rounding, so that a body
+/// released from such laws keeps to them: it has the place and the velocity of the last two steps. A state before the
+/// release has all of it, and communication steps of several steps go over it.
+#[test]
+fn a_body_released_from_a_fall_goes_on_falling() {
+    let (release, h) = (0.3, 0.02);
+    let fall = r#"{ "table": { "times": [0, 0.15, 0.3], "values": [0, -0.0225, -0.09], "end_slopes": [0, -0.6] } }"#;
+    let turn = r#"{ "table": { "times": [0, 0.3], "values": [0, 0.3], "end_slopes": [1, 1] } }"#;
+    let body = format!(
+        r#"{{ "shape": {{ "ellipse": {{ "length": 1.2, "thickness": 0.8 }} }}, "position": [0.02, 0.01], "motion": {{
+        "y": {fall}, "angle": {turn} }}, "mount": {{ "mass": 1e8, "inertia": 1e8, "gravity": [0.0, -2.0], "y": {{}},
+        "angle": {{}}, "release": {release} }} }}"#
+    );
+    let scene = scene(&body, "", 0.02, 48);
+    let mut fluid = fluid_of(&scene);
+    run(&mut fluid, 14, h);
+    let mut other = fluid_of(&scene);
+    other.restore(&fluid.state()).unwrap_or_else(|e| panic!("{e}"));
+    for fluid in [&mut fluid, &mut other] {
+        run(fluid, 10, h);
+        run(fluid, 2, 0.15);
+    }
+    assert!(fluid.state() == other.state(), "the states differ");
+    for (steps, mut fluid) in [(0, fluid), (5, fluid_of(&scene))] {
+        run(&mut fluid, steps, 0.156);
+        let (t, Pose { position, angle, velocity, omega }) = (fluid.time(), fluid.pose(0));
+        let off = [position[1] - 0.01 + t * t, velocity[1] + 2.0 * t, angle - t, omega - 1.0];
+        println!("off by {off:?} at {t} s");
+        assert!(off.iter().all(|off| off.abs() < 1e-7), "off by {off:?} at {t} s");
+    }
+}

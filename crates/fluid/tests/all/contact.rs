@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use nervure_fluid::{
-    Body, BodyLaw, Contact, Extent, Flexible, Fluid, Motion, Mount, Outline, Parameters, Skin, Solvable, Support,
+    Body, BodyLaw, Contact, Extent, Flexible, Fluid, Motion, Mount, Outline, Parameters, Pose, Skin, Solvable, Support,
 };
 use scene::Scene;
 
@@ -99,6 +99,25 @@ fn a_sphere_in_space_stays_above_the_floor_and_a_law_driven_ram() {
         least = least.min(place[1] - 0.4).min(place[0] - 0.4 - (fluid.pose(1).position[0] + 0.2));
     });
     assert!(least > 0.0 && fluid.pose(0).position[0] > 1.1, "a gap of {least} m at {}", fluid.pose(0).position);
+}
+
+/// Until its release nothing slows the body that pushes the other one; then the other one does.
+#[test]
+fn a_body_pushes_another_one_by_its_law_until_it_is_released() {
+    let law = r#""motion": { "x": { "table": { "times": [0, 1], "values": [0, 0.5], "end_slopes": [0.5, 0.5] } } }"#;
+    let circle = r#""circle": { "radius": 0.2 }"#;
+    let led = body(circle, "0.5, 1", 0.25).replace(r#""mount": {"#, &format!(r#"{law}, "mount": {{ "release": 0.3, "#));
+    let other = body(circle, "1.1, 1", 0.5).replace("0, -1", "0, 0");
+    let mut fluid = fluid_of::<2>(scene(&[led, other], r#""contact": {},"#, ""));
+    run(&mut fluid, 15, |fluid| {
+        let (t, pose) = (fluid.time(), fluid.pose(0));
+        assert!((pose.position[0] - 0.5 - 0.5 * t).abs() < 1e-9 && pose.position[1] == 1.0, "{pose:?} at {t}");
+    });
+    let [pushed, gap] = [fluid.pose(1).velocity[0], fluid.pose(1).position[0] - fluid.pose(0).position[0] - 0.4];
+    assert!(pushed > 0.3 && gap > 0.0, "it pushes by {pushed} m/s at a gap of {gap} m");
+    run(&mut fluid, 10, |_| ());
+    let Pose { position, velocity, .. } = fluid.pose(0);
+    assert!(velocity[0] < 0.45 && position[1] < 0.998, "it is free: {position} with {velocity}");
 }
 
 /// The fine box repeats what is in it after its own length; contact must not.
