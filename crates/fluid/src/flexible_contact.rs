@@ -283,8 +283,7 @@ impl Part {
     /// the sum of the radii before middles meet, of which each body leaves its own to the other one.
     fn new<const D: usize>(number: usize, body: &Flexible<D>, skin: &Skin) -> Self {
         let place = |k: usize| Vector::from(body.nodes[k]);
-        let (radius, spacing) =
-            (skin.radius.clone(), 2.0 * skin.radius.iter().copied().fold(f64::INFINITY, f64::min));
+        let (radius, spacing) = (skin.radius.clone(), 2.0 * skin.radius.iter().copied().fold(f64::INFINITY, f64::min));
         let parts = |length: f64| (length / spacing).ceil().clamp(1.0, MOST_PARTS) as usize;
         if let Extent::Surface(triangles) = &body.extent {
             let edges = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
