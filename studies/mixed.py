@@ -162,7 +162,8 @@ class Gauge:
             return np.concatenate(x[:-1] + share * (x[1:] - x[:-1]))
         corners = np.array(self.units[k]["wing"]["mesh"]["triangles"]["triangles"])
         steps = [(i, j, SAMPLES - i - j) for i in range(SAMPLES + 1) for j in range(SAMPLES + 1 - i)]
-        return (np.array(steps) / SAMPLES @ x[corners]).reshape(-1, 3)
+        points: np.ndarray = np.array(steps) / SAMPLES @ x[corners]
+        return points.reshape(-1, 3)
 
     def look(self) -> tuple[float, float, float, bool]:
         """Return the energy and the kinetic energy of the units, J, the largest depth over that which no force reaches,
