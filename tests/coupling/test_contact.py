@@ -5,8 +5,9 @@ import pytest
 
 import nervure
 from nervure.resources import ROOT
-from nervure.scene import Scene
+from nervure.scene import Scene, validate
 from nervure.simulation.session import Session
+from studies import mixed
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -73,3 +74,46 @@ def test_two_wings_that_clap_and_fling_stay_apart_and_are_mirror_images(tmp_path
     # Works of root and load pay for all energy: a wing stores up to 1e-8 J.
     assert min(stored) > -1e-12 and stored[-1] > 1e-9
     assert differ < 0.01 and jumps < 0.05, f"powers differ by {differ}, the load jumps by {jumps}"
+
+
+@pytest.mark.parametrize(("pull", "end"), [(20.0, 0.1), (100.0, 0.06)])
+def test_edges_of_two_wings_that_cross_between_their_points_stay_apart(pull, end, tmp_path):
+    """They meet at right angles with 3 and 7 m/s, where both are farthest from the points by which they touch."""
+    upper = [[x, 0.0, z] for z in (0.06, 0.16) for x in (-0.075, 0.075)]
+    lower = [[0.0, y, z] for z in (-0.06, -0.16) for y in (-0.075, 0.075)]
+    membrane = {"areal_density": 2.0, "stretching_stiffness": 1e4, "bending_stiffness": 1.0, "poisson_ratio": 0.3}
+
+    def wing(nodes: list, sign: float) -> dict:
+        mesh = {"triangles": {"nodes": nodes, "triangles": [[0, 1, 3], [0, 3, 2]]}}
+        return {"mesh": mesh, "membrane": membrane, "gravity": [0.0, 0.0, sign * pull], "scheme": "bdf2"}
+
+    scene = {
+        "name": "edges",
+        "time": {"end": end, "communication_step": 1e-3},
+        "contact": {"range": 0.06},
+        "fluid": {
+            "density": 1e-4,
+            "kinematic_viscosity": 1e-2,
+            "box": {axis: [-0.6, 0.6] for axis in "xyz"} | {"cells": [8] * 3},
+            "mask": {"log_linear": {"c_eta": 1e-3}},
+            "time_stepping": {"max_step": 1e-3, "max_cfl": 0.4},
+        },
+        "wings": [{"name": "upper", "wing": wing(upper, -1.0)}, {"name": "lower", "wing": wing(lower, 1.0)}],
+    }
+    apart = []
+    with Session(validate(scene), tmp_path) as session:
+        session.start()
+        for _ in range(session.grid.steps):
+            session.step()
+            apart.append(session.units["upper"].read("z").min() - session.units["lower"].read("z").max())
+    assert 0.0 < min(apart) < 0.03, f"they come to {min(apart)} m"
+    assert apart[-1] > min(apart) + 0.005, "they do not part"
+
+
+@pytest.mark.parametrize("seed", [5, 14])
+def test_a_rod_that_meets_a_wing_stays_on_its_side_and_gains_no_energy(seed):
+    """The slope of the force at the depth of the coming step let them pass, and pushed them off on the other side."""
+    touched, gain, depth, _ = mixed.throw(seed, 3, ("rods", "wings"), "meet")
+    assert touched > 50
+    assert depth < 1.0, f"they are {depth} times as deep in each other as any force lets them"
+    assert gain < 0.01, f"they gain {gain} of their kinetic energy"

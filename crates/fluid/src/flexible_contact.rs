@@ -68,8 +68,7 @@ where
     pub fn new(parameters: &Parameters<D>) -> Option<Self> {
         let own = parameters.contact.as_ref()?;
         let skins: Vec<_> = own.skins.iter().enumerate().filter_map(|(k, skin)| Some((k, skin.as_ref()?))).collect();
-        let parts: Vec<_> =
-            skins.iter().map(|(k, skin)| Part::new(*k, &parameters.flexible[*k], skin, own.law.range)).collect();
+        let parts: Vec<_> = skins.iter().map(|(k, skin)| Part::new(*k, &parameters.flexible[*k], skin)).collect();
         let is_surface = |k: usize| matches!(parameters.flexible[k].extent, Extent::Surface(_));
         let law = |stiffness: f64, radii: f64, range: f64| Law {
             range,
@@ -220,9 +219,19 @@ where
 
 /// Return force and rate on a side of a `size` (m, m²) in a step of `dt` seconds from this gap (m) that changes at this
 /// rate, m/s; none out of reach.
+///
+/// The force falls in proportion to the change of the rate. Where sides approach, it falls to that at the present gap
+/// while they stop, which is more than the law has between: by its slope at the expected gap, which grows without limit,
+/// it would fall to nothing long before.
 fn answer(law: &Law, [gap, rate]: [f64; 2], dt: f64, size: f64) -> Option<(f64, f64)> {
-    let expected = (gap + dt * rate).max(-DEEPEST * law.depth);
-    let found = law.response(expected, Some(Before { gap: gap.max(-DEEPEST * law.depth), dt }));
+    let deepest = -DEEPEST * law.depth;
+    let [now, expected] = [gap, gap + dt * rate].map(|gap| gap.max(deepest));
+    let before = Some(Before { gap: now, dt });
+    let mut found = law.response(expected, before);
+    if expected < now {
+        found.stiffness = (found.force - law.response(now, before).force) / (now - expected);
+    }
+    found.force += found.stiffness * (expected - gap - dt * rate).min(-dt * rate).max(0.0);
     let is_far = found.force == 0.0 && found.stiffness == 0.0;
     (!is_far).then_some((size * found.force, RATE * size * dt * found.stiffness))
 }
@@ -277,10 +286,12 @@ fn add_side<const D: usize>(
 
 impl Part {
     /// Return the part that a flexible body is, so many of whose points touch that nothing passes between two.
-    fn new<const D: usize>(number: usize, body: &Flexible<D>, skin: &Skin, range: f64) -> Self {
+    ///
+    /// Crossing edges come closer to each other than to a point by up to half its distance from the next. Forces end half
+    /// the sum of the radii before middles meet, of which each body leaves its own to the other one.
+    fn new<const D: usize>(number: usize, body: &Flexible<D>, skin: &Skin) -> Self {
         let place = |k: usize| Vector::from(body.nodes[k]);
-        let (radius, spacing) =
-            (skin.radius.clone(), skin.radius.iter().copied().fold(f64::INFINITY, f64::min) + range);
+        let (radius, spacing) = (skin.radius.clone(), 2.0 * skin.radius.iter().copied().fold(f64::INFINITY, f64::min));
         let parts = |length: f64| (length / spacing).ceil().clamp(1.0, MOST_PARTS) as usize;
         if let Extent::Surface(triangles) = &body.extent {
             let edges = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
