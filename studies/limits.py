@@ -82,9 +82,9 @@ def filtered(time: np.ndarray, force: np.ndarray) -> np.ndarray:
 
 def stiff_limit(run: Run) -> list[Found]:
     """A stiff vein exerts the forces of the prescribed motion: largest difference by the largest force. The fluid
-    hardly divides this step, which it would do otherwise for a rod than for a prescribed motion."""
+    does not divide this step, which it would do otherwise for a rod than for a prescribed motion."""
     scene = small_pitching()
-    scene["time"]["communication_step"] = scene["fluid"]["time_stepping"]["max_step"] = 5e-4
+    scene["time"]["communication_step"] = scene["fluid"]["time_stepping"]["max_step"] = 4e-4
     scene["time"]["end"] = 2.0
     scene["rod"]["material"]["section"] |= STIFF
     both = run(scene), run(scene, rigid=True)
