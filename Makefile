@@ -85,13 +85,13 @@ lint: $(READY_DEV) ## check style, types and layers of the Python code
 	$(RUN) -m mypy
 	$(VENV)/bin/lint-imports
 
-python-test: build $(READY_DEV) ## run the Python tests in two processes
-	$(RUN) -m pytest --numprocesses 2 --dist loadfile
+python-test: build $(READY_DEV) ## run the Python tests in three processes, of which some wait
+	$(RUN) -m pytest --numprocesses 3 --dist loadfile
 
 COVERAGE_VENV := target/coverage/venv
 
 coverage: build $(COVERAGE_VENV)/.ready ## measure which lines of the Python package the tests run
-	$(COVERAGE_VENV)/bin/coverage run -m pytest --numprocesses 2 --dist loadfile
+	$(COVERAGE_VENV)/bin/coverage run -m pytest --numprocesses 3 --dist loadfile
 	$(COVERAGE_VENV)/bin/coverage combine --quiet
 	$(COVERAGE_VENV)/bin/coverage report --skip-covered
 

@@ -16,7 +16,7 @@ from distributed import Client, LocalCluster
 from nervure.errors import SceneError
 from nervure.output import sweeps
 from nervure.simulation import sweep
-from tests.conftest import TOOL
+from tests.conftest import TOOL, nervure as nervure_here
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
@@ -36,10 +36,11 @@ def scene(rod_only, tmp_path):
     return path
 
 
-@pytest.fixture(scope="module")
-def cluster(tmp_path_factory):
+@pytest.fixture
+def cluster(tmp_path):
     """Address of a scheduler with two workers, started as their users do: nothing of ours is on their path."""
-    folder = tmp_path_factory.mktemp("cluster")
+    folder = tmp_path / "cluster"
+    folder.mkdir()
     file = folder / "scheduler.json"
     command = [
         sys.executable,
@@ -88,7 +89,7 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--scheduler", cluster]
     command += ["--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
-    first = nervure(*command, "beam.segments=8,-3")
+    first = nervure_here(*command, "beam.segments=8,-3")
     assert first.returncode == 1, first.stderr
     assert "4 runs, 4 to do" in first.stdout
     rows = table(folder)
@@ -110,13 +111,13 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
 
     before = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in rows}
     (folder / rows[2]["folder"] / "row.json").unlink()  # as if the sweep had been stopped before it
-    again = nervure(*command, "beam.segments=8,-3,12")
+    again = nervure_here(*command, "beam.segments=8,-3,12")
     assert again.returncode == 1 and "6 runs, 3 to do" in again.stdout, again.stderr
     after = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in table(folder)}
     assert len(after) == 6
     assert [name for name in before if before[name] == after[name]] == [rows[k]["folder"] for k in (0, 1, 3)]
 
-    retried = nervure(*command, "beam.segments=-3", "--retry-failed")
+    retried = nervure_here(*command, "beam.segments=-3", "--retry-failed")
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
@@ -133,18 +134,18 @@ def test_a_sweep_shows_its_values_and_replaces_no_other_scene(scene, tmp_path):
         "scene.json", "series.csv", "summary.json", "row.json"
     }  # fmt: skip
     assert " 16        2000000         finished" in first.stdout, first.stdout
-    inspected = nervure("inspect", folder)
+    inspected = nervure_here("inspect", folder)
     assert inspected.stdout.splitlines()[0] in first.stdout and "tip uy mean" in inspected.stdout, inspected.stderr
 
     drawn = (folder / "sweep.png").read_bytes()
     (folder / "sweep.png").unlink()
-    assert nervure("plot", folder).returncode == 0 and (folder / "sweep.png").read_bytes() == drawn
-    listed = nervure(*command, "--list", "--vary", "time.end=0.01,0.02")
+    assert nervure_here("plot", folder).returncode == 0 and (folder / "sweep.png").read_bytes() == drawn
+    listed = nervure_here(*command, "--list", "--vary", "time.end=0.01,0.02")
     assert "8 runs, 8 to do" in listed.stdout and f"{names[0]},end=0.02: 200 steps to do" in listed.stdout
-    assert f"{names[0]}: finished" in nervure(*command, "--list").stdout
+    assert f"{names[0]}: finished" in nervure_here(*command, "--list").stdout
 
     before = (folder / names[0] / "series.csv").read_bytes()
-    other = nervure(*command, "--set", "rod.gravity=[0, -3]")
+    other = nervure_here(*command, "--set", "rod.gravity=[0, -3]")
     assert other.returncode == 2 and "rod.gravity.1 is -2.0 there, but -3 here" in other.stderr, other.stderr
     assert (folder / names[0] / "series.csv").read_bytes() == before
     forced = nervure(*command, "--set", "rod.gravity=[0, -3]", "--force")
@@ -165,12 +166,12 @@ def test_a_sweep_tells_how_many_steps_are_done(rod_only, tmp_path):
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
     options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
     with LocalCluster(**(options | workers)) as cluster:
-        done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
+        done = nervure_here("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
     assert done.returncode == 2 and said in done.stderr, done.stderr
 
 
 def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
-    done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
+    done = nervure_here("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
     assert done.returncode == 2 and "no scheduler answers at tcp://127.0.0.1:9" in done.stderr, done.stderr
 
 
@@ -212,7 +213,7 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     assert quick["status"] == "finished"
     assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")
 
-    again = nervure(*command)
+    again = nervure_here(*command)
     assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
 
 
@@ -227,7 +228,7 @@ def test_ctrl_c_ends_a_sweep_without_a_traceback(moment, scene, tmp_path):
     reached = (lambda: running(process)) if moment == "in a run" else (lambda: len(children(recursive=True)) > 1)
     deadline = time.monotonic() + 60
     while not reached() and time.monotonic() < deadline:
-        time.sleep(0.01)
+        time.sleep(0.05)
     workers = children(recursive=True)
     os.killpg(process.pid, signal.SIGINT)
     output, errors = process.communicate(timeout=60)
