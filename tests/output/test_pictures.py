@@ -103,7 +103,7 @@ def check_bar(figure, name):
 
 def test_pictures_of_a_run(figures, pitching, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(console, "FILE_INTERVAL", 0.5)
-    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05)
+    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.125)
     shown = capsys.readouterr().out
     told = [words in shown for words in ("left, tip_ux", "tip_uy mean [chords]", "phase lag [deg]", " mm")]
     assert told == [True, True, True, False], shown
