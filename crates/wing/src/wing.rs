@@ -14,6 +14,7 @@ use crate::parameters::Parameters;
 use crate::section::Section;
 use crate::step::EnergyBefore;
 use crate::system::System;
+use crate::trial::Trial;
 
 /// Least mass of the membrane without the displaced fluid, by its own: the mass matrix stays positive definite.
 const LEAST_MASS: f64 = 1e-3;
@@ -56,6 +57,7 @@ pub struct Wing {
     /// Mass of the layer of fluid at each node, kg: `[nodes]`.
     pub(crate) layers: Vec<f64>,
     pub(crate) newton: Newton,
+    pub(crate) trial: Trial,
     crossings: Crossings,
     section: Option<Section>,
     /// Energy before a sub-step; `None` where a drive does work.
@@ -106,6 +108,7 @@ impl Wing {
             crossings: Crossings::new(elastic.faces.len()),
             section: Section::new(&parameters.mesh, &parameters.root.nodes),
             newton,
+            trial: Trial::none(&core),
             energy_before: None,
             core,
             masses,
@@ -254,6 +257,7 @@ impl Wing {
         state.check(self.nodes())?;
         state.own.base.check()?;
         self.elastic.twists.check(&state.own.twists, &state.positions)?;
+        self.forget();
         self.elastic.support = state.own.base.matrix();
         self.elastic.twists.set(&state.own.twists, &state.positions);
         self.elastic.forget_shape();
@@ -281,6 +285,7 @@ impl Wing {
             state.accelerations[k] =
                 Vector::from(motion.angular_velocity).cross(&(placement.rotation[1] * (rest - origin)));
         }
+        self.forget();
         self.core.state = state;
         self.base_motion = Some(motion);
         self.align();
@@ -294,6 +299,7 @@ impl Wing {
         for (k, v) in velocities.iter().enumerate() {
             structure::finite(&format!("velocities[{k}]"), v)?;
         }
+        self.forget();
         let Core { state, held, .. } = &mut self.core;
         for (k, v) in velocities.iter().enumerate().filter(|(k, _)| !held[*k]) {
             (state.velocities[k], state.previous_velocities[k]) = (Vector::from(*v), Vector::from(*v));
