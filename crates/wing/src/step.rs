@@ -312,18 +312,13 @@ impl Wing {
     /// Let the fluid slide along the wing in a step of `duration`, s: the impedance acts across, and along it the layer,
     /// which the mass of the membrane leaves out, keeps its inertia.
     fn slide(&mut self, duration: f64) {
-        let Self { core, elastic, layers, .. } = self;
+        let Self { core, layer, .. } = self;
         let Core { state, across, impedance, .. } = core;
-        across.fill(Vector::zeros());
-        for face in &elastic.faces {
-            let [a, b, c] = face.nodes.map(|k| state.positions[k]);
-            let normal = (b - a).cross(&(c - a));
-            face.nodes.iter().for_each(|&k| across[k] += normal);
-        }
-        for ((across, impedance), layer) in across.iter_mut().zip(impedance).zip(layers) {
-            // A vein beside the membrane, and a wing without a layer, have the same impedance in all directions.
-            let along = if *layer > 0.0 { (*layer / duration).min(*impedance) } else { *impedance };
-            *across *= (*impedance - along).sqrt() / across.norm().max(f64::MIN_POSITIVE);
+        layer.find_normals(|k| state.positions[k].into());
+        for (k, (across, impedance)) in across.iter_mut().zip(impedance).enumerate() {
+            let (normal, along) = layer.rate(k, *impedance, duration);
+            let normal = Vector::from(normal);
+            *across = normal * ((*impedance - along).sqrt() / normal.norm().max(f64::MIN_POSITIVE));
             *impedance = along;
         }
     }

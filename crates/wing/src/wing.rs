@@ -2,6 +2,7 @@
 
 use ::contact::Pose;
 use ::geometry::Crossings;
+use mesh::Layer;
 use structure::{Core, Loads, Statistics, Structure};
 
 use crate::Error;
@@ -54,8 +55,7 @@ pub struct Wing {
     pub(crate) elastic: Elastic,
     /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
-    /// Mass of the layer of fluid at each node, kg: `[nodes]`.
-    pub(crate) layers: Vec<f64>,
+    pub(crate) layer: Layer,
     pub(crate) newton: Newton,
     pub(crate) trial: Trial,
     crossings: Crossings,
@@ -85,9 +85,9 @@ impl Wing {
         let (ones, mut product) = (vec![Vector::repeat(1.0); nodes], vec![Vector::zeros(); nodes]);
         elastic.mass_times(&ones, &mut product);
         let masses: Vec<_> = product.iter().map(|mass| mass.x).collect();
-        let mut layers = vec![0.0; nodes];
+        let faces = elastic.faces.iter().map(|face| (face.nodes, face.area * parameters.displaced_density));
+        let layer = Layer::new(nodes, faces);
         for (t, face) in elastic.faces.iter_mut().enumerate() {
-            face.nodes.iter().for_each(|&k| layers[k] += face.area * parameters.displaced_density / 3.0);
             let own = parameters.membrane(t).areal_density;
             face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
         }
@@ -112,7 +112,7 @@ impl Wing {
             energy_before: None,
             core,
             masses,
-            layers,
+            layer,
             elastic,
             parameters,
         })
