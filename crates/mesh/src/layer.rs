@@ -45,3 +45,7 @@ impl Layer {
         (self.normals[node], if mass > 0.0 { (mass / h).min(impedance) } else { impedance })
     }
 }
+
+#[cfg(test)]
+#[path = "layer/tests.rs"]
+mod tests;
