@@ -83,14 +83,16 @@ def test_two_wings_that_come_within_a_cell_of_each_other_are_said_once(contact, 
     cell = 9.6e-3 / 36
     watch, memory, said = monitor(json.dumps(scene)), None, []
     for step, gap in enumerate([1.5, 1.1, 0.9, 0.8, 0.7]):
-        near = left + [0.0, 0.0, gap * cell]
+        near = left + np.array([0.0, 0.0, gap * cell])
         answer = watch(
             {"time": step * 1e-5, "bodies": [], "beams": [], "wings": [left.tolist(), near.tolist()], "memory": memory}
         )
         memory = answer["memory"]
         said.append(answer["warnings"])
     assert [len(found) for found in said] == [0, 0, 1, 0, 0], said
-    expected = "the wing right comes within a cell of the wing left near .*, where their kernels overlap, at t = 0.00002 s"
+    expected = (
+        "the wing right comes within a cell of the wing left near .*, where their kernels overlap, at t = 0.00002 s"
+    )
     assert re.match(expected, *said[2])
 
 
