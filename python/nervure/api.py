@@ -278,11 +278,11 @@ def resume(
 
 def _duration(name: str, value: Any) -> float | None:
     """Return an option as a number, if it is given; raise `InputError` where it is no finite number of at least 0."""
+    if value is None:
+        return None
     with suppress(OverflowError):
-        if value is None or (
-            isinstance(value, Number) and not isinstance(value, bool) and 0 <= float(value) < math.inf
-        ):
-            return None if value is None else float(value)
+        if isinstance(value, Number) and not isinstance(value, bool) and 0 <= float(value) < math.inf:
+            return float(value)
     raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
 
 
