@@ -30,7 +30,12 @@ class OwnWing(ContractUnit):
         scene = self.scene
         named = {own["name"]: own["wing"] for own in scene.get("wings") or []}
         wing = named[scene["this_wing"]] if named else scene["wing"]
-        mesh = wing["mesh"]["triangles"]
+        mesh = wing["mesh"].get("triangles")
+        if mesh is None:
+            raise ValueError(
+                f"the mesh of the wing is {', '.join(wing['mesh'])}, but must be `triangles`, the only mesh that this "
+                "unit knows"
+            )
         nodes, triangles = np.array(mesh["nodes"], float).T, np.array(mesh["triangles"])
         a, b, c = (nodes[:, triangles[:, k]] for k in range(3))
         areas = np.linalg.norm(np.cross(b - a, c - a, axis=0), axis=0) / 2

@@ -37,3 +37,5 @@ if __name__ == "__main__":
         pack(*map(Path, sys.argv[1:]))
     except (OSError, ValueError) as error:
         sys.exit(f"error: {error}")
+    except KeyError as error:
+        sys.exit(f"error: the scene {sys.argv[2]} lacks {error}, which {sys.argv[1]} needs")

@@ -255,6 +255,9 @@ impl Model for WingUnit {
         let base = self.base_at(t + h);
         self.move_solids([t, t + h]);
         let wing = self.wing.as_mut().expect(BUILT);
+        if self.announced.as_ref().is_some_and(Announced::was_saved) {
+            wing.forget_trial();
+        }
         wing.base_motion = base;
         wing.loads.copy_from(&self.loads);
         wing.step(h).and_then(|()| self.copy_to_outputs()).map_err(|e| format!("{e}, {}", span()))?;
@@ -274,6 +277,7 @@ impl Model for WingUnit {
     }
 
     fn save(&self) -> wing::WingState {
+        self.announced.iter().for_each(Announced::note_saved);
         self.wing().state().clone()
     }
 

@@ -244,12 +244,7 @@ def run(
         require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
     given = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    for name, value in given.items():
-        with suppress(OverflowError):
-            if value is None or (isinstance(value, Number) and 0 <= float(value) < math.inf):
-                continue
-        raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
-    options = {name: None if value is None else float(value) for name, value in given.items()}
+    options = {name: _duration(name, value) for name, value in given.items()}
     place = folder or Path("results") / scene.name
     with claimed(place), undone_on_error(place) as keep:
         if not quiet:
@@ -275,10 +270,20 @@ def resume(
 
     folder = Path(folder)
     with claimed(folder) if folder.is_dir() else nullcontext():
-        session, options = checkpoint.resume(folder, None if end_time is None else float(end_time), drive)
+        session, options = checkpoint.resume(folder, _duration("end_time", end_time), drive)
         if not quiet:
             announce(session.facts)
         return _run(session, options, quiet, live, started=lambda: None)
+
+
+def _duration(name: str, value: Any) -> float | None:
+    """Return an option as a number, if it is given; raise `InputError` where it is no finite number of at least 0."""
+    if value is None:
+        return None
+    with suppress(OverflowError):
+        if isinstance(value, Number) and not isinstance(value, bool) and 0 <= float(value) < math.inf:
+            return float(value)
+    raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:

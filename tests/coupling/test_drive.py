@@ -84,6 +84,8 @@ def test_what_a_drive_leaves_out_stands_still_where_it_is(driver):
     [
         ({"root.z": 0.1}, "sets 'root.z' for t = 0.1 s, but the scene leaves it root.y, root.vy, root.angle"),
         ({"root.y": math.nan}, "sets root.y to nan for t = 0.1 s, but must set a finite number, in m"),
+        ({"root.y": True}, "sets root.y to True for t = 0.1 s, but must set a finite number, in m"),
+        ({"root.y": np.False_}, "sets root.y to .*False.* for t = 0.1 s, but must set a finite number, in m"),
         ({"root.y": "up"}, "sets root.y to 'up' for t = 0.1 s, but must set a finite number"),
         ({"root.y": "1"}, "sets root.y to '1' for t = 0.1 s, but must set a finite number"),
         ({"root.y": 10**400}, "sets root.y to 1.*0 for t = 0.1 s, but must set a finite number"),

@@ -425,6 +425,33 @@ def test_a_flyer_whose_step_has_four_of_its_fluid_moves_as_with_four_steps(grids
     assert four == pytest.approx(one, rel=1e-9) and driven == pytest.approx(one, rel=0.01), ends
 
 
+def test_a_wing_repeats_a_step_from_a_state_saved_after_its_reaction_was_read(tmp_path):
+    with run(pair(), tmp_path, 10) as session:
+        carried, h = session.scheme.carried[0], 5e-3
+        unit, t = carried.unit, 10 * h
+        place = carried.inputs["root.vx"]
+        begin = carried.root[place].copy()
+
+        def ends(change: float) -> np.ndarray:
+            carried.root[place] = begin + change
+            unit.step(t, h)
+            found = unit.outputs.copy()
+            unit.restore()
+            return found
+
+        carried.respond(t, h)
+        unit.save()
+        first, again = ends(0.01), ends(0.01)
+        read = []
+        for times in (1, 2):
+            carried.root[place] = begin
+            for _ in range(times):
+                carried.respond(t, h)
+            read.append(ends(0.01))
+    assert np.array_equal(first, again) and np.array_equal(*read)
+    assert not np.array_equal(first, read[0]) and first == pytest.approx(read[0], rel=1e-6, abs=1e-9)
+
+
 def test_a_flight_in_a_fluid_goes_on_from_a_saved_state_with_the_same_bits(tmp_path):
     scene = swimmer()
     scene["fluid"]["time_stepping"]["max_cfl"] = 0.005

@@ -336,6 +336,24 @@ def test_an_own_wing_flies_on_a_body_as_a_stiff_one_of_ours(mass, own, tmp_path)
 
 
 @pytest.mark.usefixtures("libraries")
+@pytest.mark.parametrize(
+    ("kind", "change", "words"),
+    [
+        ("wing", ["wings", 0, "wing", "mesh"], "the mesh of the wing is insect, but must be `triangles`"),
+        ("wing", ["this_wing"], "the scene .*to-pack.json lacks 'this_wing', which .*own_wing.py needs"),
+        ("rod", [], "the scene .*to-pack.json lacks 'beam', which .*modal_beam.py needs"),
+    ],
+)
+def test_a_scene_that_lacks_what_an_own_unit_needs_is_refused_by_the_missing_key(kind, change, words, own):
+    scene = test_flyer.pair() | {"this_wing": "left"}
+    if change == ["this_wing"]:
+        del scene["this_wing"]
+    elif change:
+        scene["wings"][0]["wing"]["mesh"] = {"insect": {"span": 0.1, "chord": 0.04, "along": 4}}
+    with pytest.raises(RuntimeError, match="^error: " + words):
+        own(kind, scene, foreign=True)
+
+
 def test_an_own_wing_that_cannot_save_its_state_is_refused_by_a_body(own, tmp_path):
     scene = carried(1.0)
     fmu = own("wing", scene | {"this_wing": "left", "name": "left"}, True)

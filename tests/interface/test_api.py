@@ -78,6 +78,8 @@ def test_what_cannot_be_used_is_refused(falling, tmp_path):
         nervure.load("csm4")
     with pytest.raises(nervure.InputError, match="holds no results"):
         nervure.read(tmp_path)
+    with pytest.raises(nervure.InputError, match="fields_every is True, but must be a finite number"):
+        nervure.run("csm1", tmp_path, fields_every=True)
     with pytest.raises(nervure.InputError, match="series_every is 1.*0, but must be a finite number"):
         nervure.run("csm1", tmp_path, series_every=10**400)
     with pytest.raises(nervure.InputError, match="changed by its attributes"):

@@ -5,6 +5,7 @@
 
 import copy
 import json
+import re
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -13,8 +14,10 @@ import numpy as np
 import pytest
 
 from nervure.evaluate import benchmark
-from nervure.library import check, facts
+from nervure.library import check, facts, monitor
+from nervure.resources import ROOT
 from nervure.scene import assign, read, text, validate
+from nervure.scene.facts import Facts
 from nervure.simulation.session import Session
 from tests.conftest import SCENES
 
@@ -70,6 +73,27 @@ def test_motions_of_many_bodies_are_checked_in_seconds_and_what_meets_is_found(l
     seconds = perf_counter() - start
     assert any("`fluid.bodies[77]`" in text and "meets" in text for text in found), found
     assert seconds < 20, seconds
+
+
+@pytest.mark.parametrize("contact", [{}, None])
+def test_two_wings_that_come_within_a_cell_of_each_other_are_said_once(contact, libraries):
+    scene = read(ROOT / "examples" / "wings-clap.json") | {"contact": contact}
+    mesh = Facts(validate(scene)).wing
+    left = mesh.nodes[: len(mesh.nodes) // 2]
+    cell = 9.6e-3 / 36
+    watch, memory, said = monitor(json.dumps(scene)), None, []
+    for step, gap in enumerate([1.5, 1.1, 0.9, 0.8, 0.7]):
+        near = left + np.array([0.0, 0.0, gap * cell])
+        answer = watch(
+            {"time": step * 1e-5, "bodies": [], "beams": [], "wings": [left.tolist(), near.tolist()], "memory": memory}
+        )
+        memory = answer["memory"]
+        said.append(answer["warnings"])
+    assert [len(found) for found in said] == [0, 0, 1, 0, 0], said
+    expected = (
+        "the wing right comes within a cell of the wing left near .*, where their kernels overlap, at t = 0.00002 s"
+    )
+    assert re.match(expected, *said[2])
 
 
 def test_advice_for_the_cfl_number_does_not_lead_back(libraries):

@@ -272,10 +272,12 @@ def test_whatever_an_edited_checkpoint_with_a_right_digest_holds_is_refused_or_g
     assert refused > 4 * went_on > 0, (refused, went_on)
 
 
-def test_a_finished_run_goes_on_to_a_later_end_as_if_it_had_been_the_first(rod_only, tmp_path):
+@pytest.mark.parametrize("every", [None, 0.004, 0.015, 1.0])
+def test_a_finished_run_goes_on_to_a_later_end_as_if_it_had_been_the_first(rod_only, every, tmp_path):
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    at_once = api.run(validate(rod_only).copy(time__end=0.02), whole, quiet=True).series
-    api.run(validate(rod_only).copy(time__end=0.01), parts, quiet=True, checkpoint_every=60.0)
+    at_once = api.run(validate(rod_only).copy(time__end=0.02), whole, quiet=True, series_every=every).series
+    options = {"checkpoint_every": 60.0, "series_every": every}
+    api.run(validate(rod_only).copy(time__end=0.01), parts, quiet=True, **options)
     for folder, said in ((whole, "there is no checkpoint"), (parts, "is finished: `--end-time` lets it go on")):
         with pytest.raises(InputError, match=said):
             api.resume(folder)

@@ -1,5 +1,6 @@
 """The one way of a run: from the scene to its units, steps, observers and results."""
 
+import h5py
 import numpy as np
 import pytest
 
@@ -86,6 +87,15 @@ def test_the_version_is_told_by_package_command_and_summary(rod_only, tmp_path):
     assert done.returncode == 0 and done.stdout == f"nervure {nervure.__version__}\n"
     run = nervure.run(validate(rod_only), tmp_path, quiet=True)
     assert run.summary.versions["nervure"] == nervure.__version__
+
+
+@pytest.mark.parametrize("every", [0.028, 0.029, 1.0, 1e308])
+def test_rows_and_frames_farther_apart_than_the_run_is_long_are_those_of_its_start_and_end(two_rods, every, tmp_path):
+    two_rods["time"]["end"] = 0.028
+    run = nervure.run(validate(two_rods), tmp_path, series_every=every, fields_every=every, quiet=True)
+    assert run.series["time"].tolist() == pytest.approx([0.0, 0.028])
+    with h5py.File(tmp_path / "beam-upper.vtkhdf") as file:
+        assert file["VTKHDF/Steps/Values"][:].tolist() == pytest.approx([0.0, 0.028])
 
 
 @pytest.mark.parametrize("stride", [3, 4, 7])

@@ -1,5 +1,6 @@
 //! What a unit announces to a body that carries it.
 
+use std::cell::Cell;
 use std::slice::from_mut;
 
 use fmi_export::{Model, Real, Variable};
@@ -12,23 +13,38 @@ pub const UNKNOWN: RootResponse = RootResponse { reaction: [f64::NAN; 6], impeda
 const ROUNDING: f64 = 1e-9;
 
 /// Response of the root in the coming step.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Announced {
     /// Length of the coming step, s.
     step: f64,
     /// None if inputs or state have changed since it was found.
     found: Option<RootResponse>,
+    /// Whether the state was saved since then.
+    is_saved: Cell<bool>,
 }
 
 impl Announced {
     /// Return a response that is still to be found, for a step of so many seconds.
     pub fn new(step: f64) -> Self {
-        Self { step, found: None }
+        Self { step, found: None, is_saved: Cell::new(false) }
+    }
+
+    /// Note that the state is saved: what comes next must be the same after a restore, which forgets the response.
+    pub fn note_saved(&self) {
+        self.is_saved.set(true);
+    }
+
+    /// Return whether the state was saved since the response was found, once.
+    pub fn was_saved(&self) -> bool {
+        self.is_saved.take()
     }
 
     /// Return the response, [`UNKNOWN`] where `find` fails, which gets the length of the step.
     pub fn or_find<E>(&mut self, find: impl FnOnce(f64) -> Result<RootResponse, E>) -> &RootResponse {
         let step = self.step;
+        if self.was_saved() {
+            self.found = None;
+        }
         self.found.get_or_insert_with(|| find(step).unwrap_or(UNKNOWN))
     }
 }

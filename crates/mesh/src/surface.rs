@@ -20,14 +20,18 @@ pub struct Chain {
     pub nodes: Vec<usize>,
 }
 
-/// Return the area of a triangle, m².
-pub fn triangle_area([a, b, c]: &[[f64; 3]; 3]) -> f64 {
+/// Return the normal of a triangle times twice its area, m².
+pub(crate) fn twice_normal([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let [p, q] = [b, c].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
-    let cross = [0, 1, 2].map(|axis| {
+    [0, 1, 2].map(|axis| {
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         p[i] * q[j] - p[j] * q[i]
-    });
-    0.5 * cross.iter().map(|component| component.powi(2)).sum::<f64>().sqrt()
+    })
+}
+
+/// Return the area of a triangle, m².
+pub fn triangle_area(corners: &[[f64; 3]; 3]) -> f64 {
+    0.5 * twice_normal(corners).iter().map(|component| component.powi(2)).sum::<f64>().sqrt()
 }
 
 /// Return the area of triangles, m².

@@ -104,15 +104,27 @@ impl Monitor<'_> {
         }
         let cell = self.fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
         let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
-        for [i, j] in near_pairs(&bounds, cell / 4.0) {
+        for [i, j] in near_pairs(&bounds, cell) {
             let (one, two) = (known[i], known[j]);
+            let is_surface = |(_, shape): (_, &Shape)| matches!(shape, Shape::Surface(_));
+            if self.is_run
+                && self.fluid.is_some()
+                && (one.0.deforms || two.0.deforms)
+                && is_surface(one)
+                && is_surface(two)
+                && let Some(place) = memory.meets("nears", one, two, cell, is_first)
+            {
+                let (name, other, at) = (&two.0.name, &one.0.name, shown(&place[..self.axes]));
+                let text = format!("{name} comes within a cell of {other} near {at}, where their kernels overlap,");
+                found.push(warning(&two.0.key, t, &text));
+            }
             let touches = match (one.0.is_body(), two.0.is_body()) {
                 (true, true) => one.0.is_mounted || two.0.is_mounted,
                 _ => !(one.0.is_driven || two.0.is_driven),
             };
             if (one.0.moves || two.0.moves)
                 && !(touches && self.has_contact)
-                && let Some(place) = memory.meets(one, two, cell / 4.0, is_first)
+                && let Some(place) = memory.meets("meets", one, two, cell / 4.0, is_first)
             {
                 let rounding = ROUNDING * norm(place);
                 let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
@@ -128,15 +140,17 @@ impl Monitor<'_> {
 }
 
 impl Memory {
-    /// Return where two parts meet, closer than `depth` (m) and beyond what touched at the first time, once.
+    /// Return where two parts meet, closer than `depth` (m) and beyond what touched at the first time, once under this
+    /// `verb`.
     fn meets(
         &mut self,
+        verb: &str,
         (one, shape): (&Part, &Shape),
         (other, other_shape): (&Part, &Shape),
         depth: f64,
         is_first: bool,
     ) -> Option<[f64; 3]> {
-        let pair = format!("{} meets {}", other.key, one.key);
+        let pair = format!("{} {verb} {}", other.key, one.key);
         if self.reached.contains_key(&pair) {
             return None;
         }

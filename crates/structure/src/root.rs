@@ -28,6 +28,11 @@ pub trait Mounted: Structure<3> {
 
     /// Replace `product`, N, at the free nodes by the displacements under these forces, m.
     fn displace(&mut self);
+
+    /// Keep of a trial, in whose end the structure is factorised, what its step may start from; by default nothing.
+    fn keep_trial(&mut self) {
+        self.forget();
+    }
 }
 
 /// Return what the root bears in a step of `duration`, s, under the present loads and motion of the base; the structure
@@ -39,12 +44,15 @@ pub fn root_response<S: Mounted>(structure: &mut S, duration: f64) -> Result<Roo
     let statistics = structure.core().statistics;
     step(structure, duration)?;
     let response = response(structure);
+    match response {
+        Ok(_) => structure.keep_trial(),
+        Err(_) => structure.forget(),
+    }
     let core = structure.core_mut();
     core.state.copy_from(&core.before);
     core.statistics = statistics;
     core.publish();
     structure.align();
-    structure.forget();
     response
 }
 

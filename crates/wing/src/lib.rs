@@ -32,6 +32,7 @@ mod statics;
 mod step;
 mod supernodes;
 mod system;
+mod trial;
 mod twist;
 mod vein;
 mod wing;

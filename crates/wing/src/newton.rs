@@ -43,6 +43,8 @@ pub(crate) struct Newton {
     velocity_before: Vec<Vector>,
     /// Whether `system` holds factors.
     factorised: bool,
+    /// Whether these are of a shape nearby, for which no iteration has used them.
+    near: bool,
     /// Largest diagonal entry of the last matrix, N/m.
     stiffness: f64,
     /// Size of the wing, m.
@@ -78,6 +80,7 @@ impl Newton {
             before: zeros(),
             velocity_before: zeros(),
             factorised: false,
+            near: false,
             stiffness: 0.0,
             size,
             edges,
@@ -88,7 +91,7 @@ impl Newton {
 
     /// Forget the factors: results must not depend on earlier steps.
     pub(crate) fn forget(&mut self) {
-        self.factorised = false;
+        (self.factorised, self.near) = (false, false);
     }
 
     /// Factorise the matrix of the shape `x` that moves at `v`, which the last solve for `balance` has found.
@@ -102,7 +105,11 @@ impl Newton {
         self.look_ahead(elastic, balance);
         self.system.assemble(elastic, x, v, balance, false)?;
         self.add_contact(elastic, balance, x, x, false);
-        match self.system.matrix.factorise() || self.system.factorise_shifted() {
+        self.stiffness = self.system.stiffness();
+        self.factorised = self.system.matrix.factorise() || self.system.factorise_shifted();
+        self.near = self.factorised;
+        self.frames.set(&elastic.faces, x);
+        match self.factorised {
             true => Ok(()),
             false => Err(UNSOLVED.error(&Statistics::default())),
         }
@@ -155,7 +162,8 @@ impl Newton {
                 statistics.rescues += usize::from(guarded);
                 return Ok(elastic.check_angles()?);
             }
-            stale = imbalance.residual > SLOW * before;
+            // The small soft update to a shape nearby leaves stiff forces of its own size, which the next one removes.
+            stale = imbalance.residual > SLOW * before && !std::mem::take(&mut self.near);
             if stale {
                 self.look_ahead(elastic, balance);
             }

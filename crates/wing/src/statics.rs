@@ -15,6 +15,7 @@ impl Wing {
         if self.parameters.root.nodes.is_empty() {
             return Err(Error::value("root.nodes", "empty", "at least one node: a free wing has no equilibrium"));
         }
+        self.forget();
         self.collect_loads()?;
         let settled = find_equilibrium(self);
         let twists = self.elastic.twists.at_rest();

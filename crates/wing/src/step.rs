@@ -55,7 +55,9 @@ impl Structure<3> for Wing {
     }
 
     fn prepare(&mut self, base: &RigidMotion, duration: f64) -> Result<(), Error> {
-        self.newton.forget();
+        if !self.trial.begin(duration, &self.loads) {
+            self.newton.forget();
+        }
         self.slide(duration);
         self.energy_before = None;
         if self.has_no_drive(base) {
@@ -121,7 +123,10 @@ impl Structure<3> for Wing {
     }
 
     fn stage(&mut self, rule: &StepRule, load_part: f64, span: &Span<RigidMotion>) -> Result<(), Error> {
-        let Self { core, elastic, newton, .. } = self;
+        if self.trial.serves && self.newton.contact.as_ref().is_some_and(|contact| contact.is_near) {
+            self.forget();
+        }
+        let Self { core, elastic, newton, trial, .. } = self;
         let placement = core.before.own.base.towards(span.base, span.to, span.duration);
         let origin = Vector::from(self.parameters.root.origin);
         core.predict(rule, span.dt, |rest| placement.node(origin, rest - origin));
@@ -130,13 +135,22 @@ impl Structure<3> for Wing {
         core.set_balance(rule, load_part, |_| 0.0);
         let base = placement.motion();
         elastic.twists.predict(&core.state.own.twists, rule, span.dt, core.state.last_step);
+        if trial.serves {
+            trial.guess(&base, origin, elastic, core);
+        }
         elastic.forget_shape();
         (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));
         if let Some(contact) = &mut newton.contact {
             contact.begin(&elastic.faces, &core.state.positions, &core.guess, span.dt, [span.from, span.to])?;
         }
         let origin = &core.state.positions;
-        newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics)?;
+        let solved = newton.solve(elastic, &core.balance, origin, &mut core.guess, &mut core.statistics);
+        if solved.is_err() && trial.serves {
+            self.forget();
+            self.align();
+            return self.stage(rule, load_part, span);
+        }
+        solved?;
         newton.contact.as_ref().map_or(Ok(()), |contact| contact.check(&elastic.faces, &core.guess, origin))?;
         elastic.twists.correct(rule, &mut core.state.own.twists);
         core.correct(rule, span.dt);
@@ -210,6 +224,7 @@ impl Structure<3> for Wing {
 
     fn forget(&mut self) {
         self.newton.forget();
+        self.trial.forget();
     }
 
     fn find_elastic_forces(&mut self) -> Result<(), Error> {
@@ -253,6 +268,10 @@ impl Mounted for Wing {
         core.product.iter_mut().for_each(|product| *product *= core.balance.mass);
     }
 
+    fn keep_trial(&mut self) {
+        self.trial.keep(&self.core, &self.loads);
+    }
+
     fn displace(&mut self) {
         let Self { core, newton, .. } = self;
         newton.system.solve(&core.product, &[]);
@@ -267,12 +286,19 @@ impl Wing {
     }
 
     /// Return what the root bears in a step of `duration`, s, under the present loads to the present `base_motion`; the
-    /// wing stays as it is ([`structure::root_response`]).
+    /// wing stays as it is ([`structure::root_response`]). The next step starts from this trial, so its last digits differ
+    /// from those of a step without one, by less than the tolerance of Newton's method.
     ///
     /// # Errors
     /// As [`Wing::step`].
     pub fn root_response(&mut self, duration: f64) -> Result<RootResponse, Error> {
+        self.forget();
         structure::root_response(self, duration)
+    }
+
+    /// Let the next step start from the state alone.
+    pub fn forget_trial(&mut self) {
+        self.forget();
     }
 
     /// Advance by `duration`, s, under the present loads ([`structure::step`]), with up to twelve halvings.
@@ -286,18 +312,13 @@ impl Wing {
     /// Let the fluid slide along the wing in a step of `duration`, s: the impedance acts across, and along it the layer,
     /// which the mass of the membrane leaves out, keeps its inertia.
     fn slide(&mut self, duration: f64) {
-        let Self { core, elastic, layers, .. } = self;
+        let Self { core, layer, .. } = self;
         let Core { state, across, impedance, .. } = core;
-        across.fill(Vector::zeros());
-        for face in &elastic.faces {
-            let [a, b, c] = face.nodes.map(|k| state.positions[k]);
-            let normal = (b - a).cross(&(c - a));
-            face.nodes.iter().for_each(|&k| across[k] += normal);
-        }
-        for ((across, impedance), layer) in across.iter_mut().zip(impedance).zip(layers) {
-            // A vein beside the membrane, and a wing without a layer, have the same impedance in all directions.
-            let along = if *layer > 0.0 { (*layer / duration).min(*impedance) } else { *impedance };
-            *across *= (*impedance - along).sqrt() / across.norm().max(f64::MIN_POSITIVE);
+        layer.find_normals(|k| state.positions[k].into());
+        for (k, (across, impedance)) in across.iter_mut().zip(impedance).enumerate() {
+            let (normal, along) = layer.rate(k, *impedance, duration);
+            let normal = Vector::from(normal);
+            *across = normal * ((*impedance - along).sqrt() / normal.norm().max(f64::MIN_POSITIVE));
             *impedance = along;
         }
     }

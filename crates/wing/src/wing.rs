@@ -2,6 +2,7 @@
 
 use ::contact::Pose;
 use ::geometry::Crossings;
+use mesh::Layer;
 use structure::{Core, Loads, Statistics, Structure};
 
 use crate::Error;
@@ -14,6 +15,7 @@ use crate::parameters::Parameters;
 use crate::section::Section;
 use crate::step::EnergyBefore;
 use crate::system::System;
+use crate::trial::Trial;
 
 /// Least mass of the membrane without the displaced fluid, by its own: the mass matrix stays positive definite.
 const LEAST_MASS: f64 = 1e-3;
@@ -53,9 +55,9 @@ pub struct Wing {
     pub(crate) elastic: Elastic,
     /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
-    /// Mass of the layer of fluid at each node, kg: `[nodes]`.
-    pub(crate) layers: Vec<f64>,
+    pub(crate) layer: Layer,
     pub(crate) newton: Newton,
+    pub(crate) trial: Trial,
     crossings: Crossings,
     section: Option<Section>,
     /// Energy before a sub-step; `None` where a drive does work.
@@ -83,9 +85,9 @@ impl Wing {
         let (ones, mut product) = (vec![Vector::repeat(1.0); nodes], vec![Vector::zeros(); nodes]);
         elastic.mass_times(&ones, &mut product);
         let masses: Vec<_> = product.iter().map(|mass| mass.x).collect();
-        let mut layers = vec![0.0; nodes];
+        let faces = elastic.faces.iter().map(|face| (face.nodes, face.area * parameters.displaced_density));
+        let layer = Layer::new(nodes, faces);
         for (t, face) in elastic.faces.iter_mut().enumerate() {
-            face.nodes.iter().for_each(|&k| layers[k] += face.area * parameters.displaced_density / 3.0);
             let own = parameters.membrane(t).areal_density;
             face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
         }
@@ -106,10 +108,11 @@ impl Wing {
             crossings: Crossings::new(elastic.faces.len()),
             section: Section::new(&parameters.mesh, &parameters.root.nodes),
             newton,
+            trial: Trial::none(&core),
             energy_before: None,
             core,
             masses,
-            layers,
+            layer,
             elastic,
             parameters,
         })
@@ -254,6 +257,7 @@ impl Wing {
         state.check(self.nodes())?;
         state.own.base.check()?;
         self.elastic.twists.check(&state.own.twists, &state.positions)?;
+        self.forget();
         self.elastic.support = state.own.base.matrix();
         self.elastic.twists.set(&state.own.twists, &state.positions);
         self.elastic.forget_shape();
@@ -281,6 +285,7 @@ impl Wing {
             state.accelerations[k] =
                 Vector::from(motion.angular_velocity).cross(&(placement.rotation[1] * (rest - origin)));
         }
+        self.forget();
         self.core.state = state;
         self.base_motion = Some(motion);
         self.align();
@@ -294,6 +299,7 @@ impl Wing {
         for (k, v) in velocities.iter().enumerate() {
             structure::finite(&format!("velocities[{k}]"), v)?;
         }
+        self.forget();
         let Core { state, held, .. } = &mut self.core;
         for (k, v) in velocities.iter().enumerate().filter(|(k, _)| !held[*k]) {
             (state.velocities[k], state.previous_velocities[k]) = (Vector::from(*v), Vector::from(*v));

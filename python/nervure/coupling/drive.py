@@ -241,7 +241,7 @@ class Driver:
                 more = "; at a hinge of a `flyer` it turns a wing, too" if self.has_wing and "root." in name else ""
                 raise CouplingError(f"the drive sets {name!r} for t = {time:g} s, but the scene leaves it {left}{more}")
             try:
-                found[name] = math.nan if isinstance(value, str) else float(value)
+                found[name] = math.nan if isinstance(value, str | bool | np.bool_) else float(value)
             except (TypeError, ValueError, OverflowError):
                 found[name] = math.nan
             if not math.isfinite(found[name]):

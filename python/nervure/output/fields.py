@@ -90,7 +90,8 @@ def dataset(folder: Path, begin: float | None, end: float | None) -> Any:
 
 
 class Fields(Observer):
-    """Writes the field files of a session, one frame every `interval` (s), rounded to whole steps.
+    """Writes the field files of a session, one frame every `interval` (s), rounded to whole steps, at most
+    the whole run.
 
     A session that was resumed needs the files of the run before. Where the disk does not take a frame, `warn` is called
     and the run continues without fields.
@@ -98,7 +99,7 @@ class Fields(Observer):
 
     def __init__(self, session: Session, interval: float, warn: Callable[[str], None]):
         scene, grid, units, folder = session.scene, session.grid, session.units, session.folder
-        self.stride, self.warn = max(1, round(interval / grid.communication_step)), warn
+        self.stride, self.warn = grid.stride(interval), warn
         frames, known = grid.steps // self.stride + 1, session.steps // self.stride + 1 if session.steps else 0
         shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
         if not shows and not session.facts.beams and not session.facts.wing:

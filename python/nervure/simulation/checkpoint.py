@@ -176,7 +176,10 @@ def restore(session: Session, kept: Kept) -> None:
     done, recorder = about["done"], session.recorder
     if not (isinstance(done, int) and 0 <= done <= session.grid.steps):
         raise ValueError(f"{done} steps are done of {session.grid.steps}")
-    recorder.resume(_like(recorder.table, arrays["series"], (done // recorder.stride + 1, len(recorder.columns))))
+    rows, series = done // recorder.stride + 1, arrays["series"]
+    # A run that goes on records no end of the shorter one.
+    series = series[:1] if rows == 1 else series
+    recorder.resume(_like(recorder.table, series, (rows, len(recorder.columns))))
     session.resume_at(done, float(about["wall"]))
     if not all(isinstance(text, str) for text in about["warnings"]):
         raise ValueError("its warnings are no texts")

@@ -31,6 +31,10 @@ class TimeGrid:
         """Number of communication steps."""
         return max(1, math.ceil(self.end / self.communication_step - STEP_ROUNDING))
 
+    def stride(self, interval: float) -> int:
+        """Return an interval (s) in steps: at least one, and at most all."""
+        return max(1, round(min(interval / self.communication_step, self.steps)))
+
     def step(self, i: int) -> tuple[float, float]:
         """Return the time at the beginning of step `i` and the length of the step, s."""
         t, whole = i * self.communication_step, self.communication_step

@@ -43,7 +43,7 @@ class Session(TimeLoop):
     The units are the FMUs `fmus`, of which `foreign` are not ours; the other ones are laid out in a temporary folder,
     as `described` or else as the scene describes them. `drive` sets what the scene leaves to the master; `scheme` makes
     another coupling scheme of the units.
-    `series_every` is the time between two rows of the series, s, rounded to whole steps.
+    `series_every` is the time between two rows of the series, s, rounded to whole steps, at most the whole run.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Session(TimeLoop):
                 stack.callback(self.units[unit].close)
             made = scheme(self.units) if scheme else couple(self.units, scene.coupling, foreign)
             self.driver = Driver(self.units, drive, made.left)
-            stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
+            stride = grid.stride(series_every) if series_every else 1
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self.recorder.values.places |= self.driver.places
             self._open = stack.pop_all()

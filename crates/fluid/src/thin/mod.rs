@@ -50,7 +50,7 @@ struct Thin<const D: usize> {
     number: usize,
     parts: Parts,
     /// What turns the markers with the nodes.
-    facing: Facing<D>,
+    facing: Facing,
     /// Point about which moments are taken, m; absent: the first node.
     pivot: Option<[f64; D]>,
     /// Stress on a line in the plane.
@@ -58,7 +58,7 @@ struct Thin<const D: usize> {
 }
 
 /// What turns the markers of a body.
-enum Facing<const D: usize> {
+enum Facing {
     /// The markers beside each one, in the plane.
     Line,
     /// The same of a rod in space, which takes its layer along in all directions.
@@ -66,13 +66,13 @@ enum Facing<const D: usize> {
     /// Nothing: the body does not slip.
     Unknown,
     /// The triangles of each, and what a flexible one has.
-    Surface(Facets, Option<FlexibleSurface<D>>),
+    Surface(Facets, Option<FlexibleSurface>),
 }
 
 /// Stresses on a flexible surface, and the load that it takes.
-struct FlexibleSurface<const D: usize> {
+struct FlexibleSurface {
     stress: SurfaceStress,
-    taken: Taken<D>,
+    taken: Taken,
 }
 
 /// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
@@ -95,7 +95,8 @@ impl<const D: usize> Thin<D>
 where
     [f64; D]: Space<D>,
 {
-    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s) and a density (kg/m³). A rigid one, a surface and a rod slip.
+    /// A body on cells of a size (m) in a fluid of a viscosity (m²/s) and a density (kg/m³). A rigid one, a surface and
+    /// a rod slip.
     fn new(
         number: usize,
         body: &Flexible<D>,

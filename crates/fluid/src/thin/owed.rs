@@ -1,10 +1,13 @@
 //! The impulse that a surface is owed.
 //!
-//! A surface takes the announced load `f − D (v − v_n)`. D is a number for each node and acts across, while along the
-//! surface the layer keeps its inertia. What the fluid gives depends on the motion of all nodes together. The difference
-//! is small but not in the mean: a wing that beats would weigh a hundredth less or more. So its force and moment join the
-//! next load, as a rigid motion of the impedance; surface and fluid then lose no momentum.
+//! A surface takes the announced load `f − D (v − v_n)`, with a number D for each node, by the rule of [`mesh::Layer`]. What
+//! the fluid gives depends on the motion of all nodes together. The difference is small, but its mean does not vanish: a
+//! wing that beats would weigh a hundredth more or less. So its force and moment join the next load, as a rigid motion of
+//! the impedance; surface and fluid then lose no momentum.
 
+use std::array::from_fn;
+
+use mesh::Layer;
 use nalgebra::{SMatrix, SVector};
 
 use super::rigid::motion;
@@ -12,41 +15,29 @@ use crate::space::{Freedoms, Kinematics, Space, Vector, join, split};
 use crate::stations::{Loads, Stations};
 
 /// The load that a surface takes.
-pub struct Taken<const D: usize> {
-    triangles: Vec<[usize; 3]>,
-    /// Mass of the layer at each node, kg.
-    layers: Vec<f64>,
-    /// Normals of the nodes, of any length.
-    across: Vec<Vector<D>>,
+pub struct Taken {
+    layer: Layer,
 }
 
-impl<const D: usize> Taken<D>
-where
-    [f64; D]: Space<D>,
-{
+impl Taken {
     /// The load on a surface of nodes at rest (m) that takes a layer of fluid along, kg/m².
     pub fn new(nodes: &[[f64; 3]], triangles: &[[usize; 3]], layer: f64) -> Self {
-        let mut layers = vec![0.0; nodes.len()];
-        for corners in triangles {
-            let area = mesh::triangle_area(&corners.map(|node| nodes[node]));
-            corners.iter().for_each(|node| layers[*node] += area * layer / 3.0);
-        }
-        Self { triangles: triangles.to_vec(), layers, across: vec![Vector::zeros(); nodes.len()] }
+        let area = |corners: &[usize; 3]| mesh::triangle_area(&corners.map(|node| nodes[node]));
+        let masses = triangles.iter().map(|corners| (*corners, area(corners) * layer));
+        Self { layer: Layer::new(nodes.len(), masses) }
     }
 
     /// Return the force (N) and the moment about the origin that the surface takes of announced loads in a step of `h` (s)
     /// between two places.
-    pub fn sum(&mut self, h: f64, [before, now]: [&Stations<D>; 2], loads: &Loads<D>) -> Freedoms {
-        self.across.fill(Vector::zeros());
-        for corners in &self.triangles {
-            let [a, b, c] = corners.map(|node| at(&before.position, node));
-            let normal = <[f64; D]>::components(<[f64; D]>::cross(&(b - a), &(c - a)));
-            corners.iter().for_each(|node| self.across[*node] += Vector::from_fn(|axis, _| normal[axis]));
-        }
+    pub fn sum<const D: usize>(&mut self, h: f64, [before, now]: [&Stations<D>; 2], loads: &Loads<D>) -> Freedoms
+    where
+        [f64; D]: Space<D>,
+    {
+        self.layer.find_normals(|node| from_fn(|axis| before.position.get(axis).map_or(0.0, |along| along[node])));
         let (mut force, mut moment) = (Vector::zeros(), Default::default());
-        for (node, (normal, layer)) in self.across.iter().zip(&self.layers).enumerate() {
-            let impedance = loads.impedance[node];
-            let along = if *layer > 0.0 { (layer / h).min(impedance) } else { impedance };
+        for (node, &impedance) in loads.impedance.iter().enumerate() {
+            let (normal, along) = self.layer.rate(node, impedance, h);
+            let normal = Vector::<D>::from_fn(|axis, _| normal[axis]);
             let change = at(&now.velocity, node) - at(&before.velocity, node);
             let across = normal / normal.norm().max(f64::MIN_POSITIVE);
             let taken = at(&loads.force, node) - change * along - across * (across.dot(&change) * (impedance - along));

@@ -7,13 +7,16 @@ type Vector = Vector3<f64>;
 
 const DT: f64 = 1e-3;
 
-/// A wing with a vein on a clamped root whose base turns about a point aside; a body carries it.
-fn carried(youngs_modulus: f64) -> Wing {
+/// A wing with a vein, with or without torsion, on a clamped root whose base turns about a point aside; a body carries it.
+fn carried(youngs_modulus: f64, torsion: f64) -> Wing {
     let mesh = rectangle(0.2, 0.1, 4);
     let root = mesh.chain("root").expect("a root").to_vec();
     let along: Vec<_> = (0..mesh.nodes.len()).filter(|&k| mesh.nodes[k][1] == mesh.nodes[root[1]][1]).collect();
     let mut wing = Parameters {
-        veins: vec![Vein::new("vein", &along, 0.02, 1e-11 * youngs_modulus, 1e-5 * youngs_modulus)],
+        veins: vec![Vein {
+            torsional_stiffness: torsion * 1e-11 * youngs_modulus,
+            ..Vein::new("vein", &along, 0.02, 1e-11 * youngs_modulus, 1e-5 * youngs_modulus)
+        }],
         root: Root { nodes: root, origin: [0.03, -0.02, 0.01], ..Root::default() },
         gravity: [0.0, 1.0, -9.0],
         relaxation_time: 1e-4,
@@ -44,8 +47,8 @@ fn pose(t: f64, change: &[f64; 6]) -> RigidMotion {
 }
 
 /// Return the wing after some steps, with the time.
-fn flapping(youngs_modulus: f64) -> (Wing, f64) {
-    let mut wing = carried(youngs_modulus);
+fn flapping(youngs_modulus: f64, torsion: f64) -> (Wing, f64) {
+    let mut wing = carried(youngs_modulus, torsion);
     wing.place(pose(0.0, &[0.0; 6])).expect("a pose");
     for step in 1..=30 {
         wing.base_motion = Some(pose(f64::from(step) * DT, &[0.0; 6]));
@@ -56,7 +59,7 @@ fn flapping(youngs_modulus: f64) -> (Wing, f64) {
 
 #[test]
 fn the_announced_reaction_is_that_of_the_step_and_falls_with_the_impedance() {
-    let (mut wing, t) = flapping(1e7);
+    let (mut wing, t) = flapping(1e7, 0.0);
     let state = wing.state().clone();
     wing.base_motion = Some(pose(t, &[0.0; 6]));
     let announced = wing.root_response(DT).expect("a response");
@@ -84,7 +87,7 @@ fn the_announced_reaction_is_that_of_the_step_and_falls_with_the_impedance() {
 
 #[test]
 fn the_impedance_of_a_stiff_wing_is_its_rigid_inertia_and_that_of_a_soft_one_is_less() {
-    let ([mut stiff, mut soft], t) = ([flapping(1e15).0, flapping(1e5).0], 31.0 * DT);
+    let ([mut stiff, mut soft], t) = ([flapping(1e15, 0.0).0, flapping(1e5, 0.0).0], 31.0 * DT);
     let [stiff, soft] = [&mut stiff, &mut soft].map(|wing| {
         wing.base_motion = Some(pose(t, &[0.0; 6]));
         let rigid = 1.5 / DT * wing.masses().iter().sum::<f64>() + 2e-3 * wing.nodes() as f64;
@@ -100,4 +103,75 @@ fn the_impedance_of_a_stiff_wing_is_its_rigid_inertia_and_that_of_a_soft_one_is_
             assert!((one - other).abs() < 1e-9 * scale, "{i}, {j}: {one} is not {other}");
         }
     }
+}
+
+/// The change of the root is that of a body that accelerates by 1 g more than at the reference, and turns faster.
+#[test]
+fn a_step_after_its_trial_takes_no_factorisation_and_ends_at_the_same_place() {
+    for torsion in [0.0, 0.8] {
+        let (mut wing, t) = flapping(1e7, torsion);
+        let state = wing.state().clone();
+        let change = [1e-2, -5e-3, 1e-2, 0.05, -0.02, 0.05];
+        let mut step = |is_tried: bool| {
+            wing.restore(&state).expect("a state");
+            if is_tried {
+                wing.base_motion = Some(pose(t, &[0.0; 6]));
+                wing.root_response(DT).expect("a response");
+            }
+            wing.base_motion = Some(pose(t, &change));
+            let counted = allocation_counter::measure(|| wing.step(DT).expect("a step"));
+            assert_eq!(counted.count_total, 0, "allocations in a step");
+            (wing.state().clone(), wing.statistics())
+        };
+        let [(alone, effort), (tried, less)] = [false, true].map(&mut step);
+        assert!(less.factorisations == 0 && less.iterations <= effort.iterations, "{less:?} after {effort:?}");
+        assert!(effort.factorisations > 0, "{effort:?}");
+        let moved = |of: &[Vector], to: &[Vector]| of.iter().zip(to).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
+        let whole = moved(&state.positions, &alone.positions);
+        let off = moved(&tried.positions, &alone.positions);
+        println!("torsion {torsion}: {off:e} m of {whole:e}, {effort:?}, {less:?}");
+        assert!(off < 1e-9 * whole, "torsion {torsion}: off by {off:e} m of {whole:e}");
+        let [one, other] = [&tried, &alone].map(|state| state.drive.force);
+        assert!((one - other).norm() < 1e-8 * other.norm(), "{one} is not {other}");
+    }
+}
+
+/// A step without a trial of its own repeats the bits of the state.
+#[test]
+fn a_trial_serves_only_the_next_step_under_its_loads() {
+    let (mut wing, t) = flapping(1e7, 0.8);
+    let state = wing.state().clone();
+    let loads = wing.loads.clone();
+    let mut step = |between: &dyn Fn(&mut Wing)| {
+        wing.restore(&state).expect("a state");
+        (wing.loads, wing.base_motion) = (loads.clone(), Some(pose(t, &[1e-2; 6])));
+        between(&mut wing);
+        wing.base_motion = Some(pose(t, &[0.0; 6]));
+        wing.step(DT).expect("a step");
+        wing.state().clone()
+    };
+    let tried = |wing: &mut Wing| assert!(wing.root_response(DT).is_ok());
+    let heavier = |wing: &mut Wing| wing.loads.force.fill(2e-4);
+    let alone = step(&|_| ());
+    assert_eq!(alone, step(&|wing| (tried(wing), wing.forget_trial()).1), "forgotten");
+    assert_eq!(alone, step(&|wing| (tried(wing), wing.restore(&state).expect("a state")).1), "restored");
+    let other = step(&|wing| (tried(wing), heavier(wing)).1);
+    assert_eq!(step(&heavier), other, "of other loads");
+    let again = step(&|wing| {
+        tried(wing);
+        wing.base_motion = Some(pose(t, &[2e-2; 6]));
+        tried(wing);
+    });
+    let once = step(&|wing| {
+        wing.base_motion = Some(pose(t, &[2e-2; 6]));
+        tried(wing);
+    });
+    assert_eq!(once, again, "the second of two");
+    wing.base_motion = Some(pose(t, &[0.0; 6]));
+    tried(&mut wing);
+    let factors = [(), ()].map(|()| {
+        wing.step(DT).expect("a step");
+        wing.statistics().factorisations
+    });
+    assert!(factors[0] == 0 && factors[1] > 0, "{factors:?} factorisations");
 }
