@@ -173,7 +173,7 @@ fn two_lines(heights: [f64; 2], contact: Option<f64>, ratio: f64, communication_
         extent: Extent::Line { free: [true; 2] },
         pivot: None,
     };
-    let skin = |mass: f64| Skin { radius: vec![0.02; 9], largest_stiffness: mass * (PI / (10.0 * STEP)).powi(2) };
+    let skin = |mass: f64| Skin { radius: vec![0.02; 9], largest_stiffness: mass * (PI / (10.0 * STEP)).powi(2), mass };
     parameters.flexible = heights.map(line).into();
     parameters.contact = contact.map(|stiffness| Contact {
         law: BodyLaw { range: 0.2, stiffness, damping: 0.0, friction: 0.0, film: None, dt: STEP },
@@ -263,7 +263,8 @@ fn two_rods_that_cross_carry_a_load_by_halves() {
     let mut parameters = Parameters::<3>::new([[-0.8, 0.8]; 3], [16; 3], 1e-2, 1e-3, STEP);
     let height = 0.5 * (range + 2.0 * radius);
     parameters.flexible = vec![line(height, 0), line(-height, 1)];
-    let skin = || Some(Skin { radius: vec![radius; 9], largest_stiffness: MASS * (PI / (10.0 * STEP)).powi(2) });
+    let largest_stiffness = MASS * (PI / (10.0 * STEP)).powi(2);
+    let skin = || Some(Skin { radius: vec![radius; 9], largest_stiffness, mass: MASS });
     parameters.contact = Some(Contact {
         law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },
         obstacles: vec![],
@@ -306,7 +307,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
         let mut parameters = Parameters::<3>::new(domain, [16, 16, 32], 1e-2, 1e-3, STEP);
         parameters.max_cfl = 0.8;
         let range = 0.2;
-        let largest = |mass: f64| mass * (PI / (10.0 * STEP)).powi(2);
+        let largest_stiffness = MASS * (PI / (10.0 * STEP)).powi(2);
         let radius = |body: &Flexible<3>| match body.extent {
             Extent::Surface(_) => Skin::of_surface(range),
             _ => 0.02,
@@ -315,7 +316,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
         let skins = parameters
             .flexible
             .iter()
-            .map(|body| Some(Skin { radius: vec![radius(body); body.nodes.len()], largest_stiffness: largest(MASS) }));
+            .map(|body| Some(Skin { radius: vec![radius(body); body.nodes.len()], largest_stiffness, mass: MASS }));
         let skins = skins.collect();
         parameters.contact = has_contact.then_some(Contact {
             law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },

@@ -1,0 +1,207 @@
+//! Contact of lines and surfaces that others move, by the loads that it announces.
+
+use nervure_contact::{
+    FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Pose, Skin, Stations, largest_stiffness,
+};
+
+const STEP: f64 = 5e-3;
+const RADIUS: f64 = 0.005;
+const LAW: Law =
+    Law { range: 0.1, stiffness: f64::INFINITY, depth: f64::INFINITY, damping: 0.0, friction: 0.3, film: None };
+
+/// A straight line that moves as a whole.
+#[derive(Clone)]
+struct Line {
+    length: f64,
+    mass: f64,
+    at: [f64; 2],
+    velocity: [f64; 2],
+    /// Force on it beside contact, N.
+    outer: [f64; 2],
+    is_held: bool,
+}
+
+impl Line {
+    fn upper(mass: f64, height: f64, velocity: [f64; 2]) -> Self {
+        Self { length: 0.8, mass, at: [0.0, height], velocity, outer: [0.0; 2], is_held: false }
+    }
+
+    /// A line below it that reaches farther on both sides.
+    fn lower(mass: f64) -> Self {
+        Self { length: 2.4, ..Self::upper(mass, 0.0, [0.0; 2]) }
+    }
+
+    fn nodes(&self) -> Vec<[f64; 2]> {
+        (-4..=4).map(|k| [self.at[0] + 0.125 * f64::from(k) * self.length, self.at[1]]).collect()
+    }
+
+    fn energy(&self) -> f64 {
+        0.5 * self.mass * self.velocity.iter().map(|v| v * v).sum::<f64>()
+    }
+}
+
+/// Lines in contact, and what each is owed.
+struct Pair {
+    lines: [Line; 2],
+    stations: Vec<Stations>,
+    contact: FlexibleContact<2>,
+    owed: Option<Vec<[Vec<f64>; 2]>>,
+}
+
+impl Pair {
+    fn new(lines: [Line; 2], law: &Law, settles: bool) -> Self {
+        let nodes = lines.each_ref().map(Line::nodes);
+        let skins = lines.each_ref().map(|line| Skin {
+            radius: vec![RADIUS; 9],
+            largest_stiffness: largest_stiffness(line.mass / line.length, STEP),
+            mass: line.mass / line.length,
+        });
+        let bodies = [0, 1].map(|k| FlexibleBody { nodes: &nodes[k], triangles: None, skin: Some(&skins[k]) });
+        let contact = FlexibleContact::new(&bodies, vec![], law, [f64::INFINITY; 2]).expect("two lines touch");
+        let stations = nodes.iter().zip(&lines).map(|(nodes, line)| {
+            let mut own = Stations::at_rest(nodes);
+            (0..2).for_each(|d| own.velocity[d].fill(line.velocity[d]));
+            own
+        });
+        let owed = settles.then(|| vec![[vec![0.0; 9], vec![0.0; 9]]; 2]);
+        let contact = if settles { contact.remembering() } else { contact };
+        Self { stations: stations.collect(), lines, contact, owed }
+    }
+
+    /// Make a step, and return the impulse on each line, N s.
+    fn step(&mut self) -> [[f64; 2]; 2] {
+        self.contact.find(&self.stations, |_| None, STEP);
+        let before = self.stations.clone();
+        let mut impulses = [[0.0; 2]; 2];
+        for (k, line) in self.lines.iter_mut().enumerate().filter(|(_, line)| !line.is_held) {
+            let Loads { force, impedance } = &self.contact.loads()[k];
+            let rate: f64 = impedance.iter().sum();
+            for d in 0..2 {
+                let due = self.owed.as_ref().map_or(0.0, |owed| owed[k][d].iter().sum());
+                let load = force[d].iter().sum::<f64>() + due;
+                let change = (load + line.outer[d]) / (line.mass / STEP + rate);
+                line.velocity[d] += change;
+                line.at[d] += STEP * line.velocity[d];
+                impulses[k][d] = STEP * (load - rate * change);
+            }
+        }
+        for (stations, line) in self.stations.iter_mut().zip(&self.lines) {
+            *stations = Stations::at_rest(&line.nodes());
+            (0..2).for_each(|d| stations.velocity[d].fill(line.velocity[d]));
+        }
+        if let Some(owed) = &mut self.owed {
+            owed.iter_mut().flatten().for_each(|list| list.fill(0.0));
+            self.contact.settle([&before, &self.stations], owed);
+        }
+        impulses
+    }
+}
+
+/// Height (m) of a line of this mass (kg) above one of the same mass per metre at which contact carries a load, N.
+fn height_under(load: f64, mass: f64) -> f64 {
+    let stiffness = 0.5 * largest_stiffness(mass / 0.8, STEP);
+    2.0 * RADIUS + LAW.range - (2.0 * LAW.range * load / 0.8 / stiffness).sqrt()
+}
+
+/// A line that lies on a held one under a load N slides against μ N, and stops.
+#[test]
+fn a_line_that_slides_on_another_one_slows_by_friction_alone_and_stops() {
+    let (mass, load) = (1.6, 8.0);
+    for (settles, off) in [(true, 4e-3), (false, 0.02)] {
+        let mut upper = Line::upper(mass, height_under(load, mass), [0.5, 0.0]);
+        upper.outer[1] = -load;
+        let lower = Line { is_held: true, ..Line::lower(3.0 * mass) };
+        let mut pair = Pair::new([upper, lower], &LAW, settles);
+        let deceleration = LAW.friction * load / mass;
+        let (mut before, mut slow, mut worst) = (0.5, 0, 0.0_f64);
+        for k in 1..=100 {
+            pair.step();
+            let ([v, w], t) = (pair.lines[0].velocity, f64::from(k) * STEP);
+            assert!(v <= before + 1e-5 && v > -1e-5, "{v} m/s after {before} m/s");
+            assert!(w.abs() < 5e-2, "it rises with {w} m/s");
+            let exact = 0.5 - deceleration * t;
+            if exact > 0.05 {
+                worst = worst.max((v - exact).abs());
+                slow += 1;
+            }
+            before = v;
+        }
+        println!("{worst} m/s off");
+        assert!(worst < off, "{worst} m/s off");
+        assert!(slow > 50 && before < 1e-3, "it still slides with {before} m/s");
+    }
+}
+
+/// Under a load along the surface below μ N a line creeps; above it, it slides as fast as by friction alone.
+#[test]
+fn a_line_sticks_below_the_limit_of_friction() {
+    let (mass, load) = (1.6, 8.0);
+    for (along, slides) in [(0.5 * LAW.friction * load, false), (1.5 * LAW.friction * load, true)] {
+        let mut upper = Line::upper(mass, height_under(load, mass), [0.0; 2]);
+        upper.outer = [along, -load];
+        let lower = Line { is_held: true, ..Line::lower(3.0 * mass) };
+        let mut pair = Pair::new([upper, lower], &LAW, true);
+        (0..200).for_each(|_| {
+            pair.step();
+        });
+        let v = pair.lines[0].velocity[0];
+        let free = (along - if slides { LAW.friction * load } else { 0.0 }) / mass * 200.0 * STEP;
+        let expected = if slides { (0.97 * free)..(1.03 * free) } else { 0.0..(0.03 * free) };
+        assert!(expected.contains(&v), "{v} m/s, but {free} m/s by the loads");
+    }
+}
+
+/// Momentum passes from one to the other: what a step leaves over the next one makes up for.
+#[test]
+fn lines_of_any_masses_exchange_momentum_and_gain_no_energy() {
+    for ratio in [0.03, 0.3, 1.0, 7.0, 50.0] {
+        for friction in [0.0, 0.5] {
+            let lines = [Line::upper(1.6, 0.2, [0.3, -1.0]), Line::lower(1.6 * ratio)];
+            let mut pair = Pair::new(lines, &Law { friction, ..LAW }, true);
+            let (start, mut sum, mut given) = (pair.lines[0].energy(), [0.0; 2], 0.0_f64);
+            for _ in 0..200 {
+                let [one, other] = pair.step();
+                (0..2).for_each(|d| sum[d] += one[d] + other[d]);
+                given += one[1].abs();
+                let energy = pair.lines.iter().map(Line::energy).sum::<f64>();
+                assert!(energy < start * (1.0 + 1e-9), "ratio {ratio}, friction {friction}: {energy} J of {start} J");
+            }
+            let [upper, lower] = &pair.lines;
+            assert!(upper.velocity[1] > lower.velocity[1] && given > 0.05, "ratio {ratio}: they do not bounce");
+            assert!(sum.iter().all(|off| off.abs() < 1e-13 * given), "ratio {ratio}: {sum:?} N s of {given} N s");
+            // Friction slows the slip, and a light side does not turn it around.
+            let slip = upper.velocity[0] - lower.velocity[0];
+            let expected = if friction > 0.0 { 0.0..0.29 } else { 0.295..0.305 };
+            assert!(expected.contains(&slip), "ratio {ratio}, friction {friction}: a slip of {slip} m/s");
+        }
+    }
+}
+
+/// A light and a heavy disk on a mount under a line that slides over them.
+#[test]
+fn friction_takes_a_body_on_a_mount_along_and_never_past_the_line() {
+    let nodes = Line::upper(1.6, 0.34, [0.0; 2]).nodes();
+    let skin = Skin { radius: vec![RADIUS; 9], largest_stiffness: largest_stiffness(2.0, STEP), mass: 2.0 };
+    let mut stations = [Stations::at_rest(&nodes)];
+    stations[0].velocity[0].fill(1.0);
+    let place = Pose { axes: [[1.0, 0.0].into(), [0.0, 1.0].into()], origin: [0.0; 2].into() };
+    for mass in [1e-3, 0.1, 10.0] {
+        let moment = 0.5 * mass * 0.09;
+        let [(force, about), (without, _)] = [10.0, 0.0].map(|friction| {
+            let body =
+                MountedBody { number: 0, solid: Obstacle::block([0.0; 2], [0.0; 2], 0.3), inertia: [mass, moment] };
+            let flexible = [FlexibleBody { nodes: &nodes, triangles: None, skin: Some(&skin) }];
+            let law = Law { friction, ..LAW };
+            let contact = FlexibleContact::new(&flexible, vec![body], &law, [f64::INFINITY; 2]);
+            let mut contact = contact.expect("the line touches the disk");
+            contact.find(&stations, |_| Some((place, rigid::Pose::default())), STEP);
+            let (_, push) = contact.pushes().next().expect("one body");
+            let [own, line] = [push.load.force.force[0], contact.loads()[0].force[0].iter().sum()];
+            assert!((own + line).abs() < 1e-12 * own, "{own} N on the disk, {line} N on the line");
+            (own, push.load.force.moment)
+        });
+        // Speed of the surface under the line after the step.
+        let surface = STEP * ((force - without) / mass - 0.3 * about / moment);
+        assert!(surface > 0.05 && surface < 1.0, "mass {mass} kg: the surface moves with {surface} m/s");
+    }
+}
