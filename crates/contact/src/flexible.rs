@@ -91,6 +91,8 @@ where
     pushes: Vec<MountPush<D>>,
     /// Points of parts that touch; absent where nobody settles what their sides took.
     touches: Option<Vec<Touch<D>>>,
+    /// Energy of the contact of parts at the present gaps, J.
+    energy: f64,
 }
 
 /// Load of contact on a body on a mount.
@@ -206,6 +208,7 @@ where
             loads,
             pushes,
             touches: None,
+            energy: 0.0,
         })
     }
 
@@ -225,12 +228,12 @@ where
         dt: f64,
     ) {
         self.clear();
-        let Self { parts, pairs, bodies, cells, loads, pushes, periods, touches } = self;
+        let Self { parts, pairs, bodies, cells, loads, pushes, periods, touches, energy } = self;
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
                 let [of, on] = [of, on].map(|k| (&parts[k], &stations[parts[k].number]));
                 let shift = nearest_image(of.1.middle() - on.1.middle(), periods);
-                add_side(of, on, shift, law, dt, cells, loads, touches.as_mut());
+                *energy += add_side(of, on, shift, law, dt, cells, loads, touches.as_mut());
             }
         }
         for ((body, laws), push) in bodies.iter().zip(pushes) {
@@ -275,7 +278,7 @@ where
     ///
     /// # Panics
     /// Without [`Self::remembering`].
-    pub fn settle(&self, ends: [&[Stations<D>]; 2], owed: &mut [[Vec<f64>; D]]) {
+    pub fn settle(&self, ends: [&[Stations<D>]; 2], owed: &mut [Loads<D>]) {
         for Touch { sides, normal, rate } in self.touches.as_ref().expect("touches are remembered") {
             let change = sides.map(|(number, spot)| {
                 let [before, now] = ends.map(|stations| spot.on(&stations[number].velocity));
@@ -285,7 +288,7 @@ where
             for ((number, spot), change) in sides.iter().zip(change) {
                 let due = change + normal * (half - change.dot(normal));
                 for (k, share) in spot.stations.into_iter().zip(spot.shares) {
-                    (0..D).for_each(|axis| owed[*number][axis][k] += share * due[axis]);
+                    (0..D).for_each(|axis| owed[*number].force[axis][k] += share * due[axis]);
                 }
             }
         }
@@ -306,6 +309,7 @@ where
         }
         self.pushes.fill(MountPush::default());
         self.touches.iter_mut().for_each(Vec::clear);
+        self.energy = 0.0;
     }
 
     /// Add it to the loads of the coming step.
@@ -328,6 +332,11 @@ where
     /// Return what it does to bodies on a mount in the coming step, each by its number.
     pub fn pushes(&self) -> impl Iterator<Item = (usize, &MountPush<D>)> {
         self.bodies.iter().map(|(body, _)| body.number).zip(&self.pushes)
+    }
+
+    /// Return the energy of the contact of flexible bodies with each other at the gaps of [`Self::find`], J.
+    pub fn energy(&self) -> f64 {
+        self.energy
     }
 
     /// Return its loads on each flexible body.
@@ -394,7 +403,7 @@ fn answer(law: &Law, [gap, rate]: [f64; 2], dt: f64, size: f64) -> Option<(f64, 
 }
 
 /// Add half of the contact of the points of one part with the image of another part by `shift` (m) in a step of `dt`
-/// seconds.
+/// seconds, and return its energy, J.
 fn add_side<const D: usize>(
     (of, own): (&Part, &Stations<D>),
     (on, other): (&Part, &Stations<D>),
@@ -404,12 +413,12 @@ fn add_side<const D: usize>(
     cells: &mut Cells<D>,
     loads: &mut [Loads<D>],
     mut touches: Option<&mut Vec<Touch<D>>>,
-) {
+) -> f64 {
     let speed = |of: &Stations<D>| (0..of.len()).map(|k| node(&of.velocity, k).norm()).fold(0.0, f64::max);
     let reach = contacting.law.range + of.thickest() + on.thickest() + dt * (speed(own) + speed(other));
     let [one, two] = [own, other].map(box_of);
     if (0..D).any(|d| one[0][d] - shift[d] > two[1][d] + reach || two[0][d] > one[1][d] - shift[d] + reach) {
-        return;
+        return 0.0;
     }
     let corners = |element: &[usize; 3]| element.map(|k| node(&other.position, k));
     let longest = |[a, b, c]: [Vector<D>; 3]| (b - a).norm().max((c - b).norm()).max((a - c).norm());
@@ -420,6 +429,7 @@ fn add_side<const D: usize>(
         ((a + b + c) / 3.0).into()
     });
     cells.sort(reach + longest, middles);
+    let mut energy = 0.0;
     for point in &of.points {
         let spot = of.spot(point);
         let p = spot.on(&own.position) - shift;
@@ -439,10 +449,12 @@ fn add_side<const D: usize>(
         let Some((force, rate)) = meeting.answer(contacting, dt, 0.5 * point.area) else { continue };
         spot.give(force, rate, &mut loads[of.number]);
         touched.give(-force, rate, &mut loads[on.number]);
+        energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
         if let Some(touches) = &mut touches {
             touches.push(Touch { sides: [(of.number, spot), (on.number, touched)], normal, rate });
         }
     }
+    energy
 }
 
 impl Part {

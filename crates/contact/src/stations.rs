@@ -105,7 +105,16 @@ impl<const D: usize> Loads<D> {
         self.impedance.copy_from_slice(&other.impedance);
     }
 
-    /// Return the power in a step between these stations, at its end, W: each force falls with the change of the velocity.
+    /// Return their sum in a step between these stations, N: each force falls with the change of the velocity.
+    pub fn force_in_step(&self, before: &Stations<D>, now: &Stations<D>) -> [f64; D] {
+        std::array::from_fn(|axis| {
+            let parts = self.force[axis].iter().zip(&self.impedance);
+            let velocities = before.velocity[axis].iter().zip(&now.velocity[axis]);
+            parts.zip(velocities).map(|((force, rate), (v_0, v))| force - rate * (v - v_0)).sum()
+        })
+    }
+
+    /// Return the power of these forces in a step between these stations, at its end, W.
     pub fn power(&self, before: &Stations<D>, now: &Stations<D>) -> f64 {
         let power = |axis: usize| {
             let parts = self.force[axis].iter().zip(&self.impedance);
