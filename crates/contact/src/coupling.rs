@@ -28,7 +28,7 @@ pub struct CouplingState<const D: usize> {
     /// Length of the last step, s, for which the coming one is announced.
     step: f64,
     stations: Vec<Stations<D>>,
-    /// What the next step makes up for, N.
+    /// Impulses that the next steps make up for, N s.
     owed: Vec<Loads<D>>,
     exchange: Vec<ContactExchange<D>>,
 }
@@ -101,9 +101,11 @@ where
             to.power = own.power(before, now);
             to.work += h * to.power;
         }
-        owed.iter_mut().flat_map(|own| &mut own.force).for_each(|list| list.fill(0.0));
+        // A step of another length pays another part.
+        let unpaid = 1.0 - h / *step;
+        owed.iter_mut().flat_map(|own| &mut own.force).flatten().for_each(|impulse| *impulse *= unpaid);
         if let Some(contact) = contact {
-            contact.settle([stations, target], owed);
+            contact.settle(h, [stations, target], owed);
         }
         *step = h;
         Stations::copy_all(stations, target);
@@ -118,7 +120,11 @@ where
             return;
         };
         contact.find(stations, |_| None, *step);
-        loads.iter_mut().zip(owed).for_each(|(loads, owed)| loads.copy_from(owed));
+        for (loads, owed) in loads.iter_mut().zip(owed) {
+            let lists = loads.force.iter_mut().zip(&owed.force);
+            lists.for_each(|(to, owed)| to.iter_mut().zip(owed).for_each(|(to, owed)| *to = owed / *step));
+            loads.impedance.fill(0.0);
+        }
         contact.add(loads);
     }
 

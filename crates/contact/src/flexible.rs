@@ -269,8 +269,8 @@ where
         }
     }
 
-    /// Add what the sides took amiss of each other in the step between these stations to the forces on them, N, so that a
-    /// next step of the same length makes up for it.
+    /// Add what the sides took amiss of each other in the step of `h` seconds between these stations to the impulses that
+    /// they are owed, N s.
     ///
     /// Each side takes its force less the rate times the change of its own velocity. Along the normal half of the sum of
     /// both is owed to each: what one side gets, the other one gives. Along the surface each side gets back its own part,
@@ -278,11 +278,11 @@ where
     ///
     /// # Panics
     /// Without [`Self::remembering`].
-    pub fn settle(&self, ends: [&[Stations<D>]; 2], owed: &mut [Loads<D>]) {
+    pub fn settle(&self, h: f64, ends: [&[Stations<D>]; 2], owed: &mut [Loads<D>]) {
         for Touch { sides, normal, rate } in self.touches.as_ref().expect("touches are remembered") {
             let change = sides.map(|(number, spot)| {
                 let [before, now] = ends.map(|stations| spot.on(&stations[number].velocity));
-                (now - before) * *rate
+                (now - before) * (h * rate)
             });
             let half = 0.5 * (change[0] + change[1]).dot(normal);
             for ((number, spot), change) in sides.iter().zip(change) {

@@ -397,3 +397,24 @@ fn the_fluid_keeps_lines_of_two_units_apart() {
         assert!(least < 0.1, "without contact they stay {least} m apart");
     }
 }
+
+/// The upper line moves along the lower one: friction is μ N against the slip on both, and announces no rate.
+#[test]
+fn lines_that_slide_rub_with_the_friction_of_their_law() {
+    let (friction, gap, stiffness) = (0.3, 0.12, 1e3);
+    let [(upper, lower, rate), (upper_alone, lower_alone, rate_alone)] = [friction, 0.0].map(|friction| {
+        let mut parameters = two_lines([0.08, -0.08], Some(stiffness), 1.0, STEP);
+        parameters.contact.as_mut().expect("it has contact").law.friction = friction;
+        let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+        let upper = &mut fluid.stations_mut()[0];
+        upper.velocity[0].fill(1.0);
+        upper.position[0].iter_mut().for_each(|x| *x += STEP);
+        fluid.advance(0.0, STEP).unwrap_or_else(|e| panic!("{e}"));
+        let [one, other] = [0, 1].map(|k| fluid.loads()[k].force[0].iter().sum::<f64>());
+        (one, other, fluid.loads()[0].impedance.clone())
+    });
+    let [on_upper, on_lower] = [upper - upper_alone, lower - lower_alone];
+    let normal = 0.8 * stiffness * (0.2 - gap) * (0.2 - gap) / (2.0 * 0.2);
+    assert!((on_upper / (-friction * normal) - 1.0).abs() < 0.05, "{on_upper} N on the upper line of {normal} N");
+    assert!((on_upper + on_lower).abs() < 1e-9 * normal && rate == rate_alone, "{on_upper} and {on_lower} N");
+}
