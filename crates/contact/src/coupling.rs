@@ -168,8 +168,10 @@ where
             && state.owed.len() == own.owed.len()
             && state.exchange.len() == own.exchange.len()
             && state.stations.iter().zip(&own.stations).all(|(other, own)| own.has_shape_of(other))
+            && state.step.is_finite()
+            && state.step > 0.0
             && state.owed.iter().zip(&own.owed).all(|(other, own)| own.has_shape_of(other) && other.are_finite());
-        if !fit || !(state.step.is_finite() && state.step > 0.0) {
+        if !fit {
             return Err(CouplingError::State);
         }
         self.check(&state.stations)?;

@@ -115,6 +115,13 @@ struct Contacting {
     mass: f64,
 }
 
+/// Where the contact of parts is added up.
+struct Found<'a, const D: usize> {
+    loads: &'a mut [Loads<D>],
+    touches: Option<&'a mut Vec<Touch<D>>>,
+    energy: &'a mut f64,
+}
+
 /// A point of a part that touches another one.
 struct Touch<const D: usize> {
     /// Both sides, each with the number of the flexible body.
@@ -229,11 +236,12 @@ where
     ) {
         self.clear();
         let Self { parts, pairs, bodies, cells, loads, pushes, periods, touches, energy } = self;
+        let mut found = Found { loads, touches: touches.as_mut(), energy };
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
                 let [of, on] = [of, on].map(|k| (&parts[k], &stations[parts[k].number]));
                 let shift = nearest_image(of.1.middle() - on.1.middle(), periods);
-                *energy += add_side(of, on, shift, law, dt, cells, loads, touches.as_mut());
+                add_side(of, on, shift, law, dt, cells, &mut found);
             }
         }
         for ((body, laws), push) in bodies.iter().zip(pushes) {
@@ -403,7 +411,7 @@ fn answer(law: &Law, [gap, rate]: [f64; 2], dt: f64, size: f64) -> Option<(f64, 
 }
 
 /// Add half of the contact of the points of one part with the image of another part by `shift` (m) in a step of `dt`
-/// seconds, and return its energy, J.
+/// seconds.
 fn add_side<const D: usize>(
     (of, own): (&Part, &Stations<D>),
     (on, other): (&Part, &Stations<D>),
@@ -411,14 +419,13 @@ fn add_side<const D: usize>(
     contacting: &Contacting,
     dt: f64,
     cells: &mut Cells<D>,
-    loads: &mut [Loads<D>],
-    mut touches: Option<&mut Vec<Touch<D>>>,
-) -> f64 {
+    found: &mut Found<D>,
+) {
     let speed = |of: &Stations<D>| (0..of.len()).map(|k| node(&of.velocity, k).norm()).fold(0.0, f64::max);
     let reach = contacting.law.range + of.thickest() + on.thickest() + dt * (speed(own) + speed(other));
     let [one, two] = [own, other].map(box_of);
     if (0..D).any(|d| one[0][d] - shift[d] > two[1][d] + reach || two[0][d] > one[1][d] - shift[d] + reach) {
-        return 0.0;
+        return;
     }
     let corners = |element: &[usize; 3]| element.map(|k| node(&other.position, k));
     let longest = |[a, b, c]: [Vector<D>; 3]| (b - a).norm().max((c - b).norm()).max((a - c).norm());
@@ -429,7 +436,6 @@ fn add_side<const D: usize>(
         ((a + b + c) / 3.0).into()
     });
     cells.sort(reach + longest, middles);
-    let mut energy = 0.0;
     for point in &of.points {
         let spot = of.spot(point);
         let p = spot.on(&own.position) - shift;
@@ -447,14 +453,13 @@ fn add_side<const D: usize>(
         let gap = from.norm() - spot.along(&of.radius) - touched.along(&on.radius);
         let meeting = Meeting { normal, gap, velocity: spot.on(&own.velocity) - touched.on(&other.velocity) };
         let Some((force, rate)) = meeting.answer(contacting, dt, 0.5 * point.area) else { continue };
-        spot.give(force, rate, &mut loads[of.number]);
-        touched.give(-force, rate, &mut loads[on.number]);
-        energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
-        if let Some(touches) = &mut touches {
+        spot.give(force, rate, &mut found.loads[of.number]);
+        touched.give(-force, rate, &mut found.loads[on.number]);
+        *found.energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
+        if let Some(touches) = &mut found.touches {
             touches.push(Touch { sides: [(of.number, spot), (on.number, touched)], normal, rate });
         }
     }
-    energy
 }
 
 impl Part {

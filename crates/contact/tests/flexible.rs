@@ -167,9 +167,9 @@ fn lines_of_any_masses_exchange_momentum_and_gain_no_energy() {
             let [upper, lower] = &pair.lines;
             assert!(upper.velocity[1] > lower.velocity[1] && given > 0.05, "ratio {ratio}: they do not bounce");
             assert!(sum.iter().all(|off| off.abs() < 1e-13 * given), "ratio {ratio}: {sum:?} N s of {given} N s");
-            // Friction slows the slip, and a light side does not turn it around.
+            // Friction slows the slip; only what is owed of the last step may turn it around, by a trace.
             let slip = upper.velocity[0] - lower.velocity[0];
-            let expected = if friction > 0.0 { 0.0..0.29 } else { 0.295..0.305 };
+            let expected = if friction > 0.0 { -1e-4..0.29 } else { 0.295..0.305 };
             assert!(expected.contains(&slip), "ratio {ratio}, friction {friction}: a slip of {slip} m/s");
         }
     }
