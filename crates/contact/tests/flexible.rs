@@ -151,26 +151,28 @@ fn a_line_sticks_below_the_limit_of_friction() {
 /// Momentum passes from one to the other: what a step leaves over the next one makes up for.
 #[test]
 fn lines_of_any_masses_exchange_momentum_and_gain_no_energy() {
-    for ratio in [0.03, 0.3, 1.0, 7.0, 50.0] {
-        for friction in [0.0, 0.5] {
+    // With steps of two lengths, of which none is the announced one, the energy is exact to the order of the scheme only.
+    for (second, off) in [(STEP, 1e-9), (0.6 * STEP, 1e-3)] {
+        for (ratio, friction) in [0.03, 0.3, 1.0, 7.0, 50.0].into_iter().flat_map(|ratio| [(ratio, 0.0), (ratio, 0.5)])
+        {
             let lines = [Line::upper(1.6, 0.2, [0.3, -1.0]), Line::lower(1.6 * ratio)];
             let mut pair = Pair::new(lines, &Law { friction, ..LAW });
             let (start, mut sum, mut given) = (pair.lines[0].energy(), [0.0; 2], 0.0_f64);
-            for k in 0..400 {
-                // Steps of any length, of which none is that announced.
-                let [one, other] = pair.exchange(if k % 2 == 0 { STEP } else { 0.6 * STEP });
+            let case = format!("ratio {ratio}, friction {friction}, steps of {STEP} and {second} s");
+            for h in [STEP, second].repeat(100) {
+                let [one, other] = pair.exchange(h);
                 (0..2).for_each(|d| sum[d] += one[d] + other[d]);
                 given += one[1].abs();
                 let energy = pair.energy();
-                assert!(energy < start * (1.0 + 1e-4), "ratio {ratio}, friction {friction}: {energy} J of {start} J");
+                assert!(energy < start * (1.0 + off), "{case}: {energy} J of {start} J");
             }
             let [upper, lower] = &pair.lines;
-            assert!(upper.velocity[1] > lower.velocity[1] && given > 0.05, "ratio {ratio}: they do not bounce");
-            assert!(sum.iter().all(|off| off.abs() < 1e-13 * given), "ratio {ratio}: {sum:?} N s of {given} N s");
+            assert!(upper.velocity[1] > lower.velocity[1] && given > 0.05, "{case}: they do not bounce");
+            assert!(sum.iter().all(|off| off.abs() < 1e-13 * given), "{case}: {sum:?} N s of {given} N s");
             // Friction slows the slip; only what is owed of the last step may turn it around, by a trace.
             let slip = upper.velocity[0] - lower.velocity[0];
             let expected = if friction > 0.0 { -1e-4..0.29 } else { 0.295..0.305 };
-            assert!(expected.contains(&slip), "ratio {ratio}, friction {friction}: a slip of {slip} m/s");
+            assert!(expected.contains(&slip), "{case}: a slip of {slip} m/s");
         }
     }
 }
