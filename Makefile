@@ -290,7 +290,7 @@ gallery-space: build $(READY_DEV) ## make the pictures of wing, flyer and plate 
 
 DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
 DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS))
-DIST_UNITS := nervure-fmu-rod nervure-fmu-wing nervure-fmu-body nervure-fmu-fluid
+DIST_UNITS := nervure-fmu-rod nervure-fmu-wing nervure-fmu-body nervure-fmu-fluid nervure-fmu-contact
 UNIVERSAL := universal2-apple-darwin
 DIST_LIBRARIES := $(CURDIR)/target/dist/$(firstword $(DIST_TARGETS))/release
 DIST_VENV := target/dist/venv

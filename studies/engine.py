@@ -65,7 +65,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
         "crates/contact/tests/common/*.rs",
     ),
     "contact cost": ("studies/rust/contact/examples/*.rs", "crates/*/tests/**/thrown.rs"),
-    "mixed contact": ("studies/mixed.py",),
+    "mixed contact": ("studies/mixed.py", "crates/contact/src/**/*.rs"),
     "rod roofline": ("studies/rust/rod/examples/*.rs", "studies/rust/fluid/src/machine.rs"),
     "fluid bench": ("studies/rust/fluid/src/*.rs", "studies/rust/fluid/Cargo.toml"),
     "fluid measures": ("studies/rust/fluid/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),

@@ -5,7 +5,7 @@
 
 use std::slice::from_mut;
 
-use adapter::AXES;
+use adapter::{AXES, FlexibleNames, per_depth};
 use fluid::{Fluid, Force, Kinematics, Pose, Spin, Stations};
 use scene::{Followed, Load, Surface};
 
@@ -31,41 +31,6 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
 /// The list for D dimensions.
 struct List<const D: usize>(Vec<Variable>);
 
-/// What a flexible body is called.
-struct Names {
-    /// In outputs, e.g. `beam[2]`.
-    name: String,
-    /// In texts, e.g. `beam 2`.
-    text: String,
-    /// In front of the variables of its stations.
-    prefix: String,
-    /// The stations and the point of the moments in texts.
-    stations: &'static str,
-    centre: &'static str,
-}
-
-impl Names {
-    /// Names of flexible body number `k`: one beam has the names without a number.
-    fn of(unit: &FluidUnit, k: usize) -> Self {
-        let beams = unit.scene.beams().count();
-        let number = k + 1;
-        let (name, text, prefix, stations, centre) = if k >= beams {
-            let of = k + 1 - beams;
-            let (name, text) = match unit.scene.wings.is_empty() {
-                true => ("wing".to_string(), "the wing".to_string()),
-                false => (format!("wing[{of}]"), format!("wing {of}")),
-            };
-            let prefix = format!("{name}.");
-            (name, text, prefix, "nodes", "the pivot of the wing")
-        } else if beams == 1 {
-            ("beam".into(), "the beam".into(), String::new(), "stations", "its root")
-        } else {
-            (format!("beam[{number}]"), format!("beam {number}"), format!("beam[{number}]."), "stations", "its root")
-        };
-        Self { name, text, prefix, stations, centre }
-    }
-}
-
 /// Return inputs and solver of a unit, whose list is that of its dimensions.
 fn flow<const D: usize>(unit: &mut FluidUnit) -> &mut FlowIn<D>
 where
@@ -82,20 +47,6 @@ where
     flow(unit).solver_mut()
 }
 
-/// Return the unit of a quantity, in the plane per metre of depth.
-fn per_depth<const D: usize>(unit: &'static str) -> &'static str {
-    match (D, unit) {
-        (2, "N") => "N/m",
-        (2, "N.m") => "N.m/m",
-        (2, "W") => "W/m",
-        (2, "J") => "J/m",
-        (2, "kg/s") => "kg/(m.s)",
-        (2, "m3/s") => "m2/s",
-        (2, "m3/s2") => "m2/s2",
-        _ => unit,
-    }
-}
-
 impl<const D: usize> List<D>
 where
     [f64; D]: Counted<D>,
@@ -103,7 +54,7 @@ where
     fn of(unit: &FluidUnit, FlowIn { stations, .. }: &FlowIn<D>) -> Vec<Variable> {
         let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
         let (cylinders, bodies) = (part.cylinders.len(), part.bodies.len());
-        let names: Vec<_> = (0..stations.len()).map(|k| Names::of(unit, k)).collect();
+        let names: Vec<_> = (0..stations.len()).map(|k| FlexibleNames::of(&unit.scene, k)).collect();
         let mut list = Self(Vec::new());
         list.parameters();
         list.totals();
@@ -179,7 +130,7 @@ where
         text: impl Into<String>,
         read: impl Fn(&mut Fluid<D>) -> f64 + Copy + Send + Sync + 'static,
     ) {
-        self.0.push(Real::computed(name, per_depth::<D>(unit), text, move |m| read(fluid(m))).depends_on(&[]));
+        self.0.push(Real::computed(name, per_depth(D, unit), text, move |m| read(fluid(m))).depends_on(&[]));
     }
 
     /// Add an output along each axis, whose name ends with it.
@@ -240,7 +191,7 @@ where
         let flow_rate = format!("Flow rate through the middle of the box{depth}");
         self.output("flow_rate", "m3/s", flow_rate, |fluid| fluid.flow_rate());
         let mut local = |name: &str, unit: &'static str, text: String, read: fn(&mut Fluid<D>) -> f64| {
-            self.0.push(Real::computed(name, per_depth::<D>(unit), text, move |m| read(fluid(m))).local());
+            self.0.push(Real::computed(name, per_depth(D, unit), text, move |m| read(fluid(m))).local());
         };
         local("kinetic_energy", "J", format!("Kinetic energy of the whole box{depth}"), |f| f.kinetic_energy());
         let enstrophy = "Half the integral of the squared vorticity over the whole box";
@@ -382,7 +333,7 @@ where
     }
 
     /// Add force, moment, power and work of flexible body number `k` in the last step, to be compared with the rod's.
-    fn exchange(&mut self, Names { name, text, stations, centre, .. }: &Names, k: usize) {
+    fn exchange(&mut self, FlexibleNames { name, text, stations, centre, .. }: &FlexibleNames, k: usize) {
         let name = format!("{name}.");
         self.force_and_moment(&name, text, centre, move |fluid| fluid.force_on_flexible(k));
         let text =
@@ -407,7 +358,7 @@ where
     }
 
     /// Add the variables of the `n` stations of flexible body number `k`: motion, stresses, loads.
-    fn stations(&mut self, Names { prefix, stations, .. }: &Names, k: usize, n: usize, parts: &Parts) {
+    fn stations(&mut self, FlexibleNames { prefix, stations, .. }: &FlexibleNames, k: usize, n: usize, parts: &Parts) {
         let mut input = |name: &str, unit: &str, what: &str, of: fn(&mut Stations<D>) -> &mut [Vec<f64>; D]| {
             for (axis, along) in AXES.into_iter().enumerate().take(D) {
                 let text = format!("{what} of the {stations} at the end of the step");
@@ -462,7 +413,7 @@ where
         n: usize,
         of: impl Fn(&mut Fluid<D>) -> &Vec<f64> + Send + Sync + 'static,
     ) {
-        let variable = Real::output(name, per_depth::<D>(unit), text, move |m| of(fluid(m)));
+        let variable = Real::output(name, per_depth(D, unit), text, move |m| of(fluid(m)));
         self.0.push(variable.array(n).depends_on(&[]));
     }
 }

@@ -17,8 +17,11 @@ SCENES = ROOT / "scenes"
 EXAMPLES = ("examples", "modelDescription", "scenes", "scripts")
 """Folders that `nervure examples` copies; a scene finds its schema beside it."""
 
-KINDS = ("rod", "wing", "body", "fluid")
+KINDS = ("rod", "wing", "body", "fluid", "contact")
 """Kinds of units in the order of their steps; KIND has the library and the model identifier `fmu_KIND`."""
+
+COUPLERS = ("fluid", "contact")
+"""Kinds of units that give loads to rods and wings, of which a scene has at most one."""
 
 SCENE_KEYS = {"body": "flyer"}
 """Keys of the scene for kinds of units that have another name."""

@@ -1,13 +1,18 @@
-"""Rods and wings in a fluid that touch walls and each other: the scenes of `examples` on coarse grids."""
+"""Rods and wings that touch walls and each other, in a fluid and without one."""
 
 import numpy as np
 import pytest
+from lxml import etree
 
 import nervure
+from nervure.errors import SceneError
 from nervure.resources import ROOT
 from nervure.scene import Scene, validate
 from nervure.simulation.session import Session
+from nervure.units import package, ssp
+from nervure.units.describe import describe_all
 from studies import mixed
+from tests.coupling.test_rods_and_wings import dropped
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -117,3 +122,114 @@ def test_a_rod_that_meets_a_wing_stays_on_its_side_and_gains_no_energy(seed):
     assert touched > 50
     assert depth < 1.0, f"they are {depth} times as deep in each other as any force lets them"
     assert gain < 0.01, f"they gain {gain} of their kinetic energy"
+
+
+def crossing(mass: float = 0.3, dimension: int = 3, **changes: object) -> dict:
+    """Two free rods at rest that pull towards each other, crossing in space and one above the other in the plane."""
+
+    def rod(name: str, place: list, way: list, pull: float, density: float) -> dict:
+        section = {"line_density": density, "bending_stiffness": 5.0, "axial_stiffness": 2e4}
+        root = {"at": {"position": place[-dimension:], "direction": way[-dimension:]}}
+        beam = {"root": root, "length": 0.4, "thickness": 0.02, "segments": 8}
+        own = {"material": {"section": section}, "gravity": [0.0, 0.0, pull][-dimension:], "root": {"free": {}}}
+        return {"name": name, "beam": beam, "rod": own | {"scheme": "bdf2"}}
+
+    lower = ([0.02, -0.2, -0.04], [0, 1, 0])
+    upper = ([-0.2, 0.0, 0.04], [1, 0, 0]) if dimension == 3 else ([0.0, -0.2, 0.04], [0, 1, 0])
+    return {
+        "name": "crossing",
+        "time": {"end": 0.2, "communication_step": 5e-4},
+        "contact": {"friction": 0.2},
+        "rods": [rod("upper", *upper, -9.81, 0.2), rod("lower", *lower, 9.81 * 0.2 / mass, mass)],
+    } | changes
+
+
+@pytest.mark.parametrize(("mass", "dimension"), [(0.3, 3), (5.0, 3), (0.2, 2)])
+def test_rods_that_contact_alone_couples_exchange_momentum_and_gain_no_energy(mass, dimension, tmp_path):
+    """Equal pulls leave the momentum of both at nothing, and contact takes as much from one as it gives the other."""
+    axes = "xyz"[:dimension]
+    energies = [f"energy.{kind}" for kind in ("elastic", "kinetic", "gravity")]
+    momentum, impulse, given, energy, apart = [], np.zeros(dimension), 0.0, [], []
+    with Session(validate(crossing(mass, dimension)), tmp_path) as session:
+        session.start()
+        contact, rods = session.units["contact"], [session.units[name] for name in ("upper", "lower")]
+        loads = [contact.scalars_reader([f"beam[{k}].load_{axis}" for axis in axes]) for k in (1, 2)]
+        read = [rod.scalars_reader(energies) for rod in rods]
+        weights = np.r_[0.5, np.ones(7), 0.5] * 0.05
+        for _ in range(session.grid.steps):
+            session.step()
+            one, other = (own().ravel().copy() for own in loads)
+            impulse += (one + other) * session.grid.communication_step
+            given += np.abs(one).max() * session.grid.communication_step
+            energy.append(sum(own().sum() for own in read) + contact.read("energy")[0])
+            speeds = [[weights @ rod.read(f"v{axis}") for axis in axes] for rod in rods]
+            momentum.append(0.2 * np.array(speeds[0]) + mass * np.array(speeds[1]))
+            apart.append(rods[0].read(axes[-1]).min() - rods[1].read(axes[-1]).max())
+        left = contact.read("energy")[0]
+    assert given > 0.02 and left == 0.0, "they do not touch, or are not apart again"
+    assert np.abs(impulse).max() < 1e-12 * given, f"{impulse} N s of {given} N s are lost"
+    assert np.abs(momentum[-1]).max() < 1e-9 * given, f"a momentum of {momentum[-1]} kg m/s"
+    assert min(apart) > 0.01, f"the axes come to {min(apart)} m"
+    assert max(energy) - energy[0] < 1e-3 * given, f"they gain {max(energy) - energy[0]} J"
+
+
+def test_contact_alone_is_that_of_a_fluid_too_light_to_matter(tmp_path):
+    """A rod falls across a wing: without a fluid contact makes up for what the sides took amiss of each other."""
+    heights, loads = [], []
+    for scene in (dropped(contact=True), {key: own for key, own in dropped(contact=True).items() if key != "fluid"}):
+        with Session(validate(scene), tmp_path) as session:
+            session.start()
+            rod = session.units["rod"]
+            for _ in range(session.grid.steps):
+                session.step()
+                heights.append(rod.read("z").mean())
+                loads.append(rod.read("load.z")[0])
+    (in_fluid, alone), (load, other) = np.array(heights).reshape(2, -1), np.array(loads).reshape(2, -1)
+    assert load.max() > 5.0, "they do not touch"
+    assert np.abs(alone - in_fluid).max() < 5e-4
+    assert other.max() == pytest.approx(load.max(), rel=0.01) and other.sum() == pytest.approx(load.sum(), rel=0.01)
+
+
+def test_a_run_of_rods_that_contact_couples_resumes_to_the_bit(tmp_path):
+    scene = crossing(time={"end": 0.12, "communication_step": 5e-4})
+    whole = nervure.run(validate(scene), tmp_path / "whole", quiet=True)
+    touched = np.abs(whole.series["beam_1_power"]) > 0.0
+    middle = float(whole.series["time"][touched.nonzero()[0][touched.sum() // 2]])
+    part = validate(scene).copy({"time.end": middle})
+    first = nervure.run(part, tmp_path / "parts", quiet=True, checkpoint_every=100.0)
+    resumed = nervure.resume(first.folder, end_time=0.12, quiet=True)
+    for name, values in whole.series.items():
+        np.testing.assert_array_equal(resumed.series[name], values, err_msg=name)
+
+
+def test_a_structure_of_contact_connects_all_inputs_of_both_versions_of_fmi(tmp_path):
+    scene = validate(crossing())
+    fmus = {name: package.pack(unit, tmp_path) for name, unit in describe_all(scene).items()}
+    assert [*fmus] == ["upper", "lower", "contact"]
+    root = etree.fromstring(ssp.structure(scene.name, fmus, scene.time.end))
+    found = {one.get("endElement") + "." + one.get("endConnector") for one in root.iter("{*}Connection")}
+    assert {"contact.beam[2].vz[9]", "upper.force_z[1]", "lower.impedance[9]"} <= found
+    assert len(found) == 2 * 9 * (6 + 4)
+    runs = [nervure.run(scene.copy({"time.end": 0.08}), tmp_path / str(fmi), fmi=fmi, quiet=True) for fmi in (2, 3)]
+    assert np.array_equal(*(run.series["beam_2_work"] for run in runs)) and runs[0].series["beam_2_work"].any()
+
+
+@pytest.mark.parametrize(
+    ("scene", "words"),
+    [
+        (crossing(contact=None), "several rods need a fluid or a `contact` that couples them"),
+        (crossing(coupling={"load": "pressure_jump"}), "contact without a fluid gives the load momentum"),
+        (crossing(coupling={"scheme": {"iterated": {}}}), "the load momentum needs an explicit scheme"),
+        (
+            crossing(rods=[crossing()["rods"][0], crossing(dimension=2)["rods"][1]]),
+            "what touches has as many dimensions: position and direction need 3 components",
+        ),
+        (
+            crossing(rods=[own | {"name": name} for own, name in zip(crossing()["rods"], ("one", "Contact"))]),
+            "another",
+        ),
+    ],
+)
+def test_scenes_that_contact_cannot_couple_are_refused(scene, words):
+    with pytest.raises(SceneError, match=words):
+        describe_all({key: own for key, own in scene.items() if own is not None})

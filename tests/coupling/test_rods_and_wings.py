@@ -245,7 +245,7 @@ def test_the_mass_ratio_of_a_wing_beside_a_rod_is_of_its_own_length():
 @pytest.mark.parametrize(
     ("change", "fault"),
     [
-        ({"fluid": None}, "`wing` is not allowed here: wings beside rods need a fluid or a flyer that couples them"),
+        ({"fluid": None}, "`wing` is not allowed here: wings beside rods need a fluid, a flyer or a `contact`"),
         ({"rod": None}, "`beam` is not allowed here: beside a wing a beam needs a `rod`"),
     ],
 )

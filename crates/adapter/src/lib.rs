@@ -1,8 +1,9 @@
 //! What the units of rod, wing, body and fluid share: the scene in their resources, the texts of their descriptions, the
-//! choice between plane and space, what they touch, and what they announce to a body that carries them.
+//! choice between plane and space, names, what they touch, and what they announce to a body that carries them.
 
 mod announced;
 mod dimensions;
+mod flexible;
 mod obstacles;
 
 use fmi_export::{Description, Resources, Variable};
@@ -10,6 +11,7 @@ use scene::Scene;
 
 pub use crate::announced::{Announced, Carried, UNKNOWN, response};
 pub use crate::dimensions::Dimensions;
+pub use crate::flexible::{FlexibleNames, per_depth};
 pub use crate::obstacles::{obstacles, obstacles_in_space, solid_of};
 
 pub use scene::AXES;

@@ -8,24 +8,31 @@
 //! ```
 //!
 //! [`Obstacle`] has closest points, [`Encounter`] the forces on a point of what deforms, [`SurfacePoint`] the points of
-//! triangles, [`Cells`] finds candidates, and [`BodyContacts`] solves for rigid bodies.
+//! triangles, [`Cells`] finds candidates, [`BodyContacts`] solves for rigid bodies, [`FlexibleContact`] announces the
+//! loads of rods and wings that others move, and [`ContactCoupling`] does so without a fluid.
 //! All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
 mod bodies;
 mod cells;
+mod coupling;
 mod encounter;
 mod error;
+mod flexible;
 mod law;
 mod obstacle;
+mod stations;
 mod surface;
 
 pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion, nearest_image};
 pub use cells::{Cells, MOST_PARTNERS};
+pub use coupling::{ContactCoupling, ContactExchange, CouplingError, CouplingState};
 pub use encounter::{Encounter, Obstacles, Push};
 pub use error::{BodyError, ContactError};
+pub use flexible::{FlexibleBody, FlexibleContact, MountPush, MountedBody, Skin};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};
 pub use rigid::Kinematics;
+pub use stations::{Loads, Stations};
 pub use surface::{SurfacePoint, nearest_of_triangle, points_of_surface};

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
+use contact::{BodyLaw, FlexibleBody, FlexibleContact, Loads, MountedBody, Stations};
 use line_fft::Team;
 
-use crate::bodies::{Carried, Placement, Pose, Rigid};
+use crate::bodies::{Bodies, Carried, Placement, Pose, Rigid, place};
 use crate::error::Error;
 use crate::field::is_available;
-use crate::flexible_contact::FlexibleContact;
 use crate::force::Exchange;
 use crate::grid::Grid;
 use crate::limits::{Contour, StepLimits};
@@ -19,7 +19,6 @@ use crate::probe::Probe;
 use crate::problem::Problem;
 use crate::solver::{FluidSolver, Solvable};
 use crate::state::State;
-use crate::stations::{Loads, Stations};
 use crate::step::Substep;
 use crate::thin::pay;
 use crate::timer::Phase;
@@ -95,6 +94,47 @@ const fn numbers_of_fluid<const D: usize>() -> usize {
     if D == 2 { 33 } else { 52 }
 }
 
+/// Return the contact of the flexible bodies with each other and with the bodies on a mount; none where nothing may touch.
+fn contact_of<const D: usize>(parameters: &Parameters<D>) -> Option<FlexibleContact<D>>
+where
+    [f64; D]: Solvable<D>,
+{
+    let own = parameters.contact.as_ref()?;
+    let flexible: Vec<_> = parameters
+        .flexible
+        .iter()
+        .zip(&own.skins)
+        .map(|(body, skin)| FlexibleBody {
+            nodes: &body.nodes,
+            triangles: if let Extent::Surface(triangles) = &body.extent { Some(triangles) } else { None },
+            skin: skin.as_ref(),
+        })
+        .collect();
+    let mounted = parameters.bodies.iter().enumerate().filter_map(|(number, body)| {
+        let inertia = body.mount()?.least_inertia();
+        Some(MountedBody { number, solid: body.shape.obstacle()?, inertia })
+    });
+    let BodyLaw { range, damping, friction, .. } = own.law;
+    let law =
+        contact::Law { range, stiffness: own.flexible_stiffness, depth: f64::INFINITY, damping, friction, film: None };
+    FlexibleContact::new(&flexible, mounted.collect(), &law, own.periods)
+}
+
+/// Return a function that returns place and motion of the rigid body with a number, if nothing but its state tells them.
+fn poses<'a, const D: usize>(
+    bodies: &'a Bodies<D>,
+    carried: &'a [Carried<D>],
+) -> impl Fn(usize) -> Option<(contact::Pose<D>, Pose<D>)> + 'a
+where
+    [f64; D]: Solvable<D>,
+{
+    move |number| {
+        let ((_, rigid), carried) = bodies.carried().zip(carried).find(|((k, _), _)| *k == number)?;
+        let pose = rigid.pose_of(&carried.now);
+        Some((place(rigid.body(), &pose), pose))
+    }
+}
+
 impl<const D: usize> Fluid<D>
 where
     [f64; D]: Solvable<D>,
@@ -154,7 +194,7 @@ where
                 displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
-            flexible_contact: FlexibleContact::new(parameters),
+            flexible_contact: contact_of(parameters),
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
@@ -246,7 +286,7 @@ where
         let Some(contact) = &mut self.flexible_contact else { return };
         let Present { flexible, carried, step, .. } = &self.present;
         if *step > 0.0 {
-            contact.find(&flexible.stations, &self.problem.bodies, carried, dt);
+            contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
         } else {
             contact.clear();
         }
@@ -295,7 +335,7 @@ where
             pay(&owed.map(|impulse| impulse / dt), stations, loads);
         }
         if let Some(contact) = self.flexible_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
-            contact.find(&flexible.stations, &self.problem.bodies, carried, dt);
+            contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
             contact.add(&mut flexible.loads);
             self.problem.bodies.push(contact.pushes());
         }
@@ -399,7 +439,13 @@ where
         self.pressures.invalidate();
         self.settle(h);
         if let Some(contact) = &self.flexible_contact {
-            contact.exchange(h, [&self.motion.from, &self.motion.target], &mut self.present.flexible.exchange);
+            let Motion { from, target, .. } = &self.motion;
+            let ends = from.iter().zip(target);
+            for ((own, (before, now)), to) in contact.loads().iter().zip(ends).zip(&mut self.present.flexible.exchange)
+            {
+                let power = own.power(before, now);
+                (to.power, to.work) = (to.power + power, to.work + h * power);
+            }
         }
         if self.announces() {
             self.predict_loads(h);

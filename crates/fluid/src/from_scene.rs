@@ -5,14 +5,13 @@
 
 use std::sync::Arc;
 
-use contact::largest_stiffness;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::gust::Gust;
 use crate::law::Law;
 use crate::parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
+    Body, Contact, Extent, FineBox, Flexible, Followed, MiddleBox, Motion, Mount, Parameters, Zone,
 };
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
@@ -178,26 +177,13 @@ where
     let law = own.law_of_bodies(scene);
     let walls = fluid.walls();
     let size: Vec<_> = fluid.r#box.ends().map(|[low, high]| high - low).collect();
-    let skin = |beam: scene::BeamWithRod| {
-        let radius: Vec<_> = beam.beam.places().step_by(2).map(|s| 0.5 * beam.beam.thickness.at(s)).collect();
-        // The fluid beside a light line is as slow.
-        let mass = beam.line_density()? + fluid.density * law.range.powi(D as i32 - 1);
-        let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
-        Some(Skin { radius, largest_stiffness })
-    };
-    let of_wing = |own: scene::WingOfScene| {
-        let mass = own.wing.lightest() + fluid.density * law.range;
-        let radius = vec![Skin::of_surface(law.range); own.wing.mesh.build().nodes.len()];
-        let largest_stiffness = largest_stiffness(mass, scene.time.communication_step);
-        own.wing.lightest().is_finite().then_some(Skin { radius, largest_stiffness })
-    };
     Some(Contact {
         law,
         obstacles: make(&own.obstacles),
         walls: std::array::from_fn(|axis| walls[axis]),
         periods: std::array::from_fn(|axis| if walls[axis].is_none() { size[axis] } else { f64::INFINITY }),
         flexible_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
-        skins: scene.beams_with_rods().map(skin).chain(scene.wings().map(of_wing)).collect(),
+        skins: own.skins(scene, D),
     })
 }
 

@@ -19,7 +19,6 @@ mod checks;
 mod error;
 mod field;
 mod filter;
-mod flexible_contact;
 mod flow;
 mod fluid;
 mod force;
@@ -42,7 +41,6 @@ mod solver;
 mod space;
 mod spectral;
 mod state;
-mod stations;
 mod step;
 mod thin;
 mod timer;
@@ -50,7 +48,7 @@ mod two_grids;
 mod wall;
 mod zone;
 
-pub use ::contact::{BodyFilm, BodyLaw};
+pub use ::contact::{BodyFilm, BodyLaw, Loads, Skin, Stations};
 pub use ::rigid::Pose;
 pub use error::Error;
 pub use fluid::Fluid;
@@ -61,13 +59,12 @@ pub use grid::Grid;
 pub use gust::Gust;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
 pub use parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Laws, MiddleBox, Motion, Mount, Parameters, Skin, Zone,
+    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Laws, MiddleBox, Motion, Mount, Parameters, Zone,
 };
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;
 pub use space::{Kinematics, Space, Spin, Turn};
 pub use state::State;
-pub use stations::{Loads, Stations};
 
 /// Parts for benchmarks and tables: not part of the interface, and without promises.
 #[cfg(feature = "internals")]

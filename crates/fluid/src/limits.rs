@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::parameters::{Extent, Flexible};
 use crate::space::{Kinematics, Space};
-use crate::stations::Stations;
+use contact::Stations;
 
 /// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step`
 /// and the usual communication step.

@@ -8,7 +8,7 @@ use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::pressures::{PressurePlaces, Pressures};
 use crate::solver::Solvable;
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 
 /// A grid point with its weight.
 type Weighted = (usize, f64);

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use contact::BodyLaw;
+use contact::{BodyLaw, Skin};
 use geometry::AXES;
 use method::{Filter, Mask, Precision, Support, TimeScheme};
 
@@ -228,22 +228,6 @@ where
     pub flexible_stiffness: f64,
     /// Skin of each flexible body; absent: it touches no other one.
     pub skins: Vec<Option<Skin>>,
-}
-
-/// Skin by which a flexible body touches others.
-#[derive(Clone, Debug)]
-pub struct Skin {
-    /// Half the thickness at the nodes, m.
-    pub radius: Vec<f64>,
-    /// Stiffness per metre, N/m², or per area, N/m³, with which a contact with a wall lasts ten communication steps.
-    pub largest_stiffness: f64,
-}
-
-impl Skin {
-    /// Return the half thickness that a surface has for others, m: a quarter of the range of its contact.
-    pub fn of_surface(range: f64) -> f64 {
-        0.25 * range
-    }
 }
 
 /// How a body moves.
@@ -744,6 +728,12 @@ where
     /// Return the mass along each axis, then the moments of inertia about z in the plane or the axes of the body.
     pub(crate) fn own_inertia(&self) -> Freedoms {
         freedoms::<D>(self.mass, self.inertia)
+    }
+
+    /// Return the mass and the least moment of inertia about an axis about which the body turns; infinite without one.
+    pub(crate) fn least_inertia(&self) -> [f64; 2] {
+        let about = (D..<[f64; D]>::FREEDOMS).filter(|i| self.free()[*i]).map(|i| self.own_inertia()[i]);
+        [self.mass, about.fold(f64::INFINITY, f64::min)]
     }
 
     /// Return whether it lets the body move along each freedom.

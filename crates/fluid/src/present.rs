@@ -6,7 +6,7 @@ use crate::bodies::Carried;
 use crate::force::{BodyForce, Exchange};
 use crate::grid::Grid;
 use crate::space::{Freedoms, Space};
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 
 /// What a fluid of any precision and scheme has at the present time, without the flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use crate::grid::Grid;
 use crate::outlet::Outlet;
 use crate::probe::Probe;
 use crate::space::Space;
-use crate::stations::Stations;
+use contact::Stations;
 
 /// A value that is made on request and kept until it is stale. It cannot be read while it is stale.
 pub struct Cached<T> {

@@ -7,9 +7,9 @@ use crate::law::Law;
 use crate::parameters::{Followed, Parameters};
 use crate::present::Present;
 use crate::space::{Space, Vector};
-use crate::stations::Stations;
 use crate::thin::ThinBodies;
 use crate::timer::PhaseTimer;
+use contact::Stations;
 
 /// The domain with the bodies in it.
 pub struct Problem<const D: usize>

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::Body;
 
-/// Contact of rods with themselves, and of rods, membranes of wings and bodies on a mount with walls, cylinders and bodies
-/// of the fluid that are still or moved by laws; in a fluid also of all of them with each other.
+/// Contact of rods with themselves, and of rods, membranes of wings and bodies on a mount with each other, and with walls,
+/// cylinders and bodies of the fluid that are still or moved by laws. Without a fluid it couples several rods and wings.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// Gap between surfaces at which the force begins, m; absent: the least thickness of the beam, or two cells, with a
-    /// film its roughness.
+    /// Gap between surfaces at which the force begins, m; absent: the least thickness of the beam or beams, or two cells,
+    /// with a film its roughness.
     #[serde(default)]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub range: Option<f64>,

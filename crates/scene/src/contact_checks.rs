@@ -1,13 +1,13 @@
 //! What the rods, wings and bodies of a scene touch, and what is wrong with its contact.
 
-use ::contact::{BodyFilm, BodyLaw, Law, Pose};
+use ::contact::{BodyFilm, BodyLaw, Law, Pose, Skin, largest_stiffness};
 use method::Bending;
 
 use crate::body::Body;
 use crate::contact::{Contact, Film};
 use crate::fault::{Check, Faults};
 use crate::fluid::Fluid;
-use crate::scene::{BeamWithRod, Scene};
+use crate::scene::{BeamWithRod, Scene, WingOfScene};
 use crate::shape::Shape;
 use crate::wing::Wing;
 
@@ -93,6 +93,38 @@ impl Contact {
             friction: self.friction,
             film: None,
         }
+    }
+}
+
+impl Contact {
+    /// Return the gap at which the force begins between rods and wings of this scene, m.
+    pub fn range_between(&self, scene: &Scene) -> f64 {
+        if scene.fluid.is_some() {
+            return self.law_of_bodies(scene).range;
+        }
+        scene.beams_with_rods().map(|own| self.range(scene, &own)).fold(self.range.unwrap_or(f64::INFINITY), f64::min)
+    }
+
+    /// Return the skins by which the rods and wings of this scene touch each other in so many dimensions; none of a rigid
+    /// beam and of a wing without a membrane.
+    pub fn skins(&self, scene: &Scene, dimensions: usize) -> Vec<Option<Skin>> {
+        let (range, step) = (self.range_between(scene), scene.time.communication_step);
+        let density = scene.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
+        // The fluid beside a light line or surface is as slow.
+        let skin = |radius, mass: f64, beside: f64| Skin {
+            radius,
+            largest_stiffness: largest_stiffness(mass + density * beside, step),
+            mass,
+        };
+        let of_rod = |own: BeamWithRod| {
+            let radius = own.beam.places().step_by(2).map(|s| 0.5 * own.beam.thickness.at(s)).collect();
+            Some(skin(radius, own.line_density()?, range.powi(dimensions as i32 - 1)))
+        };
+        let of_wing = |own: WingOfScene| {
+            let (mass, nodes) = (own.wing.lightest(), own.wing.mesh.build().nodes.len());
+            mass.is_finite().then(|| skin(vec![Skin::of_surface(range); nodes], mass, range))
+        };
+        scene.beams_with_rods().map(of_rod).chain(scene.wings().map(of_wing)).collect()
     }
 }
 

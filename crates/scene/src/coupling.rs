@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Coupling of fluid and rods. Load and scheme follow rules where they are absent (`docs/theory/coupling.md`).
+/// Coupling of fluid, or contact, and rods. Load and scheme follow rules where they are absent (`docs/theory/coupling.md`).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {

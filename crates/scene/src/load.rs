@@ -9,7 +9,13 @@ use crate::root::RootSupport;
 use crate::scene::Scene;
 
 impl Scene {
-    /// Return the load on the rods, given or chosen; none without a fluid and a rod.
+    /// Return whether its rods and wings, at least two, have no fluid, and their contact couples them.
+    pub fn is_coupled_by_contact(&self) -> bool {
+        let rods = self.beams_with_rods().filter(|own| own.rod.is_some()).count();
+        self.fluid.is_none() && self.contact.is_some() && rods + self.wings().count() > 1
+    }
+
+    /// Return the load on the rods, given or chosen; none without a rod and what couples it.
     pub fn load(&self) -> Option<Load> {
         Some(self.chosen_load()?.0)
     }
@@ -17,6 +23,12 @@ impl Scene {
     /// Return the load as [`Scene::load`] does, and the reason as a clause. Several rods have the same load, the one
     /// that suits the lightest.
     pub fn chosen_load(&self) -> Option<(Load, String)> {
+        if self.fluid.is_none() {
+            // The unit of one of several rods knows their load, but not the other ones.
+            let given = self.coupling.as_ref().and_then(|coupling| coupling.load);
+            let is_coupled = given.is_some() || self.is_coupled_by_contact();
+            return is_coupled.then(|| (Load::Momentum, "contact gives forces with an impedance".into()));
+        }
         let Weight { name, own, displaced, free, line } = self.lightest()?;
         if let Some(load) = self.coupling.as_ref().and_then(|coupling| coupling.load) {
             return Some((load, "the scene says so".into()));

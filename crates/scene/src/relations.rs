@@ -88,10 +88,11 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
     if let Some(flyer) = &scene.flyer {
         flyer_checks::check(scene, flyer, faults);
     }
-    if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() && !several_wings && !flies {
+    let by_contact = scene.is_coupled_by_contact();
+    if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() && !several_wings && !flies && !by_contact {
         faults.push(match scene.rods.is_empty() {
             true => Fault::needed("fluid", "a scene needs a fluid, a rod with a beam, or both"),
-            false => Fault::needed("fluid", "several rods need a fluid that couples them"),
+            false => Fault::needed("fluid", "several rods need a fluid or a `contact` that couples them"),
         });
     }
     if scene.rod.is_some() && scene.beam.is_none() && scene.rods.is_empty() {
@@ -120,10 +121,14 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
             "another rod has this name; capital and small letters count as the same".into()
         });
     }
-    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wings().next().is_some() || several);
+    let has_flexible = scene.rod.is_some() || scene.wings().next().is_some() || several;
+    let coupled = by_contact || (scene.fluid.is_some() && has_flexible);
     faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
+    let load = scene.coupling.as_ref().and_then(|coupling| coupling.load);
+    faults.require(!by_contact || load != Some(Load::PressureJump), "coupling.load", "pressure_jump", || {
+        "contact without a fluid gives the load momentum".into()
+    });
     if coupled && scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) {
-        let load = scene.coupling.as_ref().and_then(|coupling| coupling.load);
         faults.require(load != Some(Load::PressureJump), "coupling.load", "pressure_jump", || {
             "in space it must be momentum".into()
         });
@@ -148,26 +153,31 @@ fn check_wings(scene: &Scene, faults: &mut Faults) {
     }
     scene.wings.check_at("wings", faults);
     for (i, own) in scene.rods.iter().enumerate() {
-        let others = [("wing", scene.wing.is_some()), ("body", scene.flyer.is_some())];
+        let others = [
+            ("wing", scene.wing.is_some()),
+            ("body", scene.flyer.is_some()),
+            ("contact", scene.is_coupled_by_contact()),
+        ];
         let taken = others.iter().find(|(name, present)| *present && name.eq_ignore_ascii_case(&own.name));
         faults.require(taken.is_none(), &format!("rods[{i}].name"), quoted(&own.name), || {
             "another unit of the scene has this name".into()
         });
     }
-    let mut names: Vec<_> = scene.rods.iter().map(|own| &own.name).collect();
+    let mut names: Vec<_> = scene.rods.iter().map(|own| own.name.as_str()).collect();
+    names.extend(scene.is_coupled_by_contact().then_some("contact"));
     for (i, own) in scene.wings.iter().enumerate() {
         let twice = names.iter().any(|other| other.eq_ignore_ascii_case(&own.name));
         faults.require(!twice, &format!("wings[{i}].name"), quoted(&own.name), || {
             "another wing or rod has this name; capital and small letters count as the same".into()
         });
-        names.push(&own.name);
+        names.push(own.name.as_str());
     }
     let (key, rods) = (if several { "wings" } else { "wing" }, scene.beams().next().is_some());
     let beside = rods && (several || scene.wing.is_some());
-    let alone = scene.fluid.is_none() && scene.flyer.is_none();
+    let alone = scene.fluid.is_none() && scene.flyer.is_none() && !scene.is_coupled_by_contact();
     faults.forbid(alone && (several || beside), key, || {
         let what = if beside { "wings beside rods" } else { "several wings" };
-        format!("{what} need a fluid or a flyer that couples them")
+        format!("{what} need a fluid, a flyer or a `contact` that couples them")
     });
     let is_rigid = scene.beam.is_some() && scene.rod.is_none();
     faults.forbid(beside && is_rigid, "beam", || {
@@ -189,6 +199,12 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
     let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
     let needed = if is_space { 3 } else { 2 };
     let fits = scene.fluid.is_none() || dimension == needed;
+    let first = scene.beams().next().map(|beam| scene.dimension(beam));
+    let all = if scene.wings().next().is_some() { 3 } else { first.unwrap_or(dimension) };
+    let is_like = !scene.is_coupled_by_contact() || dimension == all;
+    faults.require(is_like, &format!("{key}beam.root"), format!("{dimension} components"), || {
+        format!("what touches has as many dimensions: position and direction need {all} components")
+    });
     let (own_name, other) = if is_space { ("two", "three") } else { ("three", "two") };
     faults.require(fits, &format!("{key}beam.root"), format!("{own_name}-dimensional"), || {
         format!("the fluid is {other}-dimensional: position and direction need {needed} components")

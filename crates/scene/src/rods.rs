@@ -1,4 +1,4 @@
-//! One of several rods in a fluid, a unit of its own.
+//! One of several rods, a unit of its own.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::beam::Beam;
 use crate::fault::{Check, Faults, list};
 use crate::rod::Rod;
 
-/// One of several rods in a fluid.
+/// One of several rods.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NamedRod {

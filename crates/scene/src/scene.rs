@@ -51,8 +51,8 @@ pub struct Scene {
     /// Elastic model of the only beam; absent for a rigid beam.
     #[serde(default)]
     pub rod: Option<Rod>,
-    /// Several beams in the fluid, each with a rod that is a unit of its own: at least two, in place of `beam` and
-    /// `rod`.
+    /// Several beams, each with a rod that is a unit of its own, which the fluid or contact couples: at least two, in
+    /// place of `beam` and `rod`.
     #[serde(default)]
     pub rods: Vec<NamedRod>,
     /// Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere.

@@ -16,6 +16,7 @@ from nervure.coupling.schemes import (
     connections,
     reason_of,
 )
+from nervure.resources import COUPLERS
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
 from nervure.units.fmu import Unit
 
@@ -28,17 +29,19 @@ def couple(units: dict[str, Unit], coupling: Coupling | None, foreign: Collectio
 
     Guards that the scene does not set are on, unless a unit is `foreign`: its powers need not mean the same.
 
-    The load was chosen when the units were packed. The scheme follows from it: explicit under the momentum load, which
-    is implicit by itself; iterated under the pressure jump, which is not.
+    Contact without a fluid couples as a fluid does. The load was chosen when the units were packed. The scheme follows
+    from it: explicit under the momentum load, which is implicit by itself; iterated under the pressure jump, which is
+    not.
     """
+    coupler = next((units[kind] for kind in COUPLERS if kind in units), None)
     if "body" in units:
         guards = (coupling and coupling.guards) or (None if foreign else Guards())
-        carried = {name: unit for name, unit in units.items() if name not in ("body", "fluid")}
-        return Flight(units["body"], carried, units.get("fluid"), guards)
-    if len(units) == 1:
+        carried = {name: unit for name, unit in units.items() if name not in ("body", *COUPLERS)}
+        return Flight(units["body"], carried, coupler, guards)
+    if coupler is None or len(units) == 1:
         (unit,) = units.values()
         return SingleUnit(unit)
-    fluid, rods = units["fluid"], [unit for name, unit in units.items() if name != "fluid"]
+    fluid, rods = coupler, [unit for name, unit in units.items() if name not in COUPLERS]
     load = "momentum" if any(map(takes_momentum, rods)) else "pressure_jump"
     coupling = coupling or Coupling()
     guards = coupling.guards or (None if foreign else Guards())

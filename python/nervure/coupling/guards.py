@@ -292,7 +292,7 @@ class EnergyGuard:
 
     def _differ(self, difference: float, exchanged: float) -> str:
         share = f"{difference / exchanged:.0%}" if exchanged else "all"
-        both = f"the power on the {self.rod.name} and the power from the fluid"
+        both = f"the power on the {self.rod.name} and the power from the {self.fluid.name}"
         return f"{both} differ by {share} of the exchanged power"
 
 

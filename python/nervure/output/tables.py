@@ -119,13 +119,14 @@ def print_table(console: Console, summary: Summary, scene: Scene) -> None:
         drift = summary.amplitude_drift
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
+    other = "the fluid" if scene.fluid else "contact"
     joule = next((unit for name, unit in summary.series.items() if name.endswith("load_work")), "J")
     for name, (_, work) in rods.items():
         if work and work.imbalance is not None:
             kind = "wing" if scene.wing or name.strip() in wings(scene) else "rod"
             console.print(
                 f"interface: work on the {unit_label(name.strip() or kind, kind)} {work.work_on_rod:.4g} {joule}, "
-                f"by the fluid {work.work_by_fluid:.4g} {joule}, {work.imbalance:+.1%} of "
+                f"by {other} {work.work_by_fluid:.4g} {joule}, {work.imbalance:+.1%} of "
                 f"{work.exchanged:.4g} {joule}{_judge(work.imbalance)}",
                 soft_wrap=True,
             )

@@ -9,6 +9,7 @@ import numpy as np
 
 from nervure.coupling.drive import master_inputs
 from nervure.errors import InputError
+from nervure.resources import COUPLERS
 from nervure.scene import Scene, beams, wings
 from nervure.units import package
 from nervure.units.describe import describe, unit_label
@@ -28,7 +29,7 @@ def check_fit(scene: Scene, units: Mapping[str, Unit], foreign: Collection[str])
             own = package.lay_out(describe(name, scene), Path(place))
             flying = len(wings(scene))
             bodies = prefixes(len(beams(scene)) or int(not flying), flying)
-            fault = _fluid_fault(own, given, bodies) if name == "fluid" else _rod_fault(own, given)
+            fault = _fluid_fault(own, given, bodies) if name in COUPLERS else _rod_fault(own, given)
         if fault:
             raise InputError(
                 f"the FMU of the {unit_label(name)}, {given.description.modelName}, is of another scene than "

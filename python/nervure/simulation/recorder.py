@@ -8,6 +8,7 @@ import numpy as np
 
 from nervure.catalogue import hint
 from nervure.errors import InputError
+from nervure.resources import COUPLERS
 from nervure.units.fmu import Unit
 
 MAX_ROWS = 200_000  # Largest number of rows: a longer run is recorded at every second, third, … step
@@ -88,8 +89,8 @@ class Recorder:
         for unit in self.sampled:
             unit.all_in_step = False
         outputs = [(own, name) for own, unit in units.items() for kind in KINDS for name in unit.scalars(kind)]
-        several = len(units.keys() - {"body", "fluid"}) > 1
-        before = {own: f"{own}_" if own == "body" or (several and own != "fluid") else "" for own in units}
+        several = len(units.keys() - {"body", *COUPLERS}) > 1
+        before = {own: f"{own}_" if own == "body" or (several and own not in COUPLERS) else "" for own in units}
         names = [before[own] + column(name) for own, name in outputs]
         self.units: dict[str, str | None] = {"time": "s"}
         self.values = Values()

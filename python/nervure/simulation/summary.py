@@ -407,7 +407,7 @@ def summarize(
         versions=versions(),
         git=git_revision(),
         machine=machine(),
-        warnings=[*facts.warnings, *warnings, *_imbalances(parts)] or None,
+        warnings=[*facts.warnings, *warnings, *_imbalances(parts, facts)] or None,
         wing=of_wings([own for name, own in parts.values() if name.startswith("wing")], window) if window else None,
         wings=_of_several(facts, parts, [name for name in parts if name in wings(scene)], window),
         rods=_of_several(facts, parts, [name for name in parts if name not in wings(scene)], window),
@@ -425,13 +425,14 @@ def _of_several(
     return found or None
 
 
-def _imbalances(parts: Parts) -> Iterator[str]:
-    """Yield that the works on rods and by the fluid differ over the whole run."""
+def _imbalances(parts: Parts, facts: Facts) -> Iterator[str]:
+    """Yield that the works on rods and by the fluid, or by contact without one, differ over the whole run."""
+    other = "the fluid" if facts.scene.fluid else "contact"
     for name, (on_fluid, columns) in parts.items():
         work, kind = interface(columns), "wing" if on_fluid.startswith("wing") else "rod"
         if work and work.imbalance and abs(work.imbalance) > WARN_RATIO:
             share = f"{work.imbalance:+.0%} of the exchanged work"
-            yield f"over the run the works on the {unit_label(name, kind)} and by the fluid differ by {share}"
+            yield f"over the run the works on the {unit_label(name, kind)} and by {other} differ by {share}"
 
 
 def _not_final(

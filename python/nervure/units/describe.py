@@ -11,8 +11,8 @@ from nervure.scene import Document, Scene, document, text
 class Description:
     """A unit of a scene for one version of FMI."""
 
-    unit: str  # `rod`, `fluid`, `wing`, `body`, or the name of one of several rods or wings
-    kind: str  # `rod`, `wing`, `body` or `fluid`
+    unit: str  # `rod`, `fluid`, `contact`, `wing`, `body`, or the name of one of several rods or wings
+    kind: str  # `rod`, `wing`, `body`, `fluid` or `contact`
     version: int  # Of FMI, 2 or 3
     scene_name: str
     scene: (
@@ -41,14 +41,16 @@ def describe_all(scene: Scene | Document, version: int = 2) -> dict[str, Descrip
 
 def unit_kinds(scene: Scene | Document) -> dict[str, str]:
     """Return the kinds of the units of a scene, which may be unchecked, by name in the order of their steps: the rod,
-    or several by name, then the wings, then a free body, then the fluid. A scene without units is for the fluid,
-    which refuses it."""
+    or several by name, then the wings, then a free body, then the fluid, or what finds their contact without one. A
+    scene without units is for the fluid, which refuses it."""
     given, kinds = document(scene), dict[str, str]()
     for kind in KINDS:
         several = given.get(f"{kind}s")
         each = [own.get("name") for own in several if isinstance(own, dict)] if isinstance(several, list) else []
         kinds |= {name: kind for name in each if isinstance(name, str)}
-        if given.get(SCENE_KEYS.get(kind, kind)) is not None:
+        flexible = [*kinds.values()].count("rod") + [*kinds.values()].count("wing")
+        is_coupled = "fluid" in kinds or flexible < 2
+        if given.get(SCENE_KEYS.get(kind, kind)) is not None and not (kind == "contact" and is_coupled):
             kinds[kind] = kind
     return kinds or {"fluid": "fluid"}
 
@@ -59,5 +61,5 @@ def unit_names(scene: Scene | Document) -> list[str]:
 
 
 def unit_label(unit: str, kind: str = "rod") -> str:
-    """Return the name of a unit in messages: `rod`, `fluid`, `wing`, `body`, or `rod NAME`."""
+    """Return the name of a unit in messages: `rod`, `fluid`, `contact`, `wing`, `body`, or `rod NAME`."""
     return unit if unit in KINDS else f"{kind} {unit}"

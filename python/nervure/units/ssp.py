@@ -8,6 +8,7 @@ from lxml import etree
 from lxml.builder import ElementMaker
 
 from nervure.errors import SceneError
+from nervure.resources import COUPLERS
 from nervure.scene import Scene
 from nervure.units import package
 from nervure.units.describe import describe_all, unit_kinds
@@ -22,7 +23,7 @@ def structure(name: str, fmus: dict[str, Path], end: float, wings: int = 0) -> b
     output of the same name; for several rods, the fluid's names begin with `beam[1].` and so on."""
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
-    rods = [unit for unit in fmus if unit not in ("fluid", "body")]
+    rods = [unit for unit in fmus if unit not in ("body", *COUPLERS)]
     beams = dict(zip(rods, prefixes(len(rods) - wings, wings), strict=True))
     components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():

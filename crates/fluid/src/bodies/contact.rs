@@ -52,9 +52,9 @@ where
             let inertia = if let Some(mount) = body.mount() {
                 motion.free = mount.free();
                 let displaced = parameters.density * body.shape.moments(&size).volume;
-                let about = (D..<[f64; D]>::FREEDOMS).filter(|i| motion.free[*i]).map(|i| mount.own_inertia()[i]);
+                let [mass, moment] = mount.least_inertia();
                 // A light body is as slow as the fluid that it displaces.
-                Some([mount.mass.max(displaced), about.fold(f64::INFINITY, f64::min)])
+                Some([mass.max(displaced), moment])
             } else {
                 None
             };

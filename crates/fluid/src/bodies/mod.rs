@@ -7,6 +7,7 @@ mod measure;
 mod pose;
 mod rigid;
 
+use ::contact::{MountPush, Stations};
 use line_fft::Real;
 
 use crate::error::Error;
@@ -15,7 +16,6 @@ use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
 use crate::parameters::{Mount, Parameters};
 use crate::space::{Freedoms, Kinematics, Space, Vector, join, split};
-use crate::stations::Stations;
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
@@ -25,7 +25,7 @@ pub use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
 pub use contact::{Contacts, place};
-pub use rigid::{Push, Rigid};
+pub use rigid::Rigid;
 
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
 pub struct Bodies<const D: usize>
@@ -173,7 +173,7 @@ where
     }
 
     /// Set what rods and wings do to bodies on a mount in the coming step, each by its number.
-    pub fn push<'a>(&mut self, pushes: impl Iterator<Item = (usize, &'a Push<D>)>) {
+    pub fn push<'a>(&mut self, pushes: impl Iterator<Item = (usize, &'a MountPush<D>)>) {
         pushes.for_each(|(number, push)| self.rigid[number].push = *push);
     }
 
@@ -464,7 +464,7 @@ where
 
     /// Add the push of rods and wings to the drag.
     fn add_push(&self, drag: &mut Drag<D>) {
-        let Push { load, velocities } = &self.push;
+        let MountPush { load, velocities } = &self.push;
         let predicted = self.pose.rates();
         let change = |row: &Freedoms| (0..6).map(|j| row[j] * (velocities[j] - predicted[j])).sum::<f64>();
         let (force, moment) = split::<D>(&load.impedance.each_ref().map(change));

@@ -2,7 +2,8 @@
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
-use ::rigid::{Drag, Mass, Pose, SpringMotion};
+use ::contact::MountPush;
+use ::rigid::{Mass, Pose, SpringMotion};
 use geometry::Region;
 use method::Mask;
 
@@ -14,7 +15,7 @@ use crate::grid::Grid;
 use crate::kernel::layer_thickness;
 use crate::parameters::{Body, Motion, Mount};
 use crate::shapes::{Moments, nearest};
-use crate::space::{Freedoms, Kinematics, Space, Vector, join};
+use crate::space::{Kinematics, Space, Vector, join};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
@@ -35,25 +36,13 @@ where
     /// What the present step found, of a body that it put to a predicted place.
     pub spring_motion: Option<SpringMotion<D>>,
     /// What rods and wings do to it in the coming step.
-    pub push: Push<D>,
+    pub push: MountPush<D>,
     /// Whether its mount, if it has one, lets it move in the present step.
     is_free: bool,
 }
 
 /// Part of a step by which a release may come before its end through rounding.
 const ROUNDING: f64 = 1e-6;
-
-/// Load of contact on a body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Push<const D: usize>
-where
-    [f64; D]: Space<D>,
-{
-    /// Force, and the rate at which it falls with a change of the velocities.
-    pub load: Drag<D>,
-    /// Velocities along the freedoms from which they change.
-    pub velocities: Freedoms,
-}
 
 impl<const D: usize> Body<D>
 where
@@ -101,7 +90,7 @@ where
         };
         let pose = pose_at(&body, 0.0);
         let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
-        let (cells, push) = (Cells::default(), Push::default());
+        let (cells, push) = (Cells::default(), MountPush::default());
         let is_free = !matches!(body.motion, Some(Motion::Released { .. }));
         let mut rigid = Self { body, moments, profile, pose, orientation, cells, spring_motion: None, push, is_free };
         rigid.place(pose, grid);

@@ -6,7 +6,7 @@ use crate::bodies::{Bodies, Placement, Pose};
 use crate::error::Error;
 use crate::present::Present;
 use crate::space::Space;
-use crate::stations::Stations;
+use contact::Stations;
 
 /// One step of the fluid's own.
 #[derive(Clone, Copy)]

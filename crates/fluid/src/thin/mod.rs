@@ -32,7 +32,7 @@ use crate::grid::Grid;
 use crate::kernel::{Kernel, layer_thickness};
 use crate::parameters::{Extent, Flexible, Parameters};
 use crate::space::{Freedoms, Kinematics, Space, Vector, join};
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 
 use drag::{Dragged, MarkerDrag};
 use markers::Markers;

@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::rigid::motion;
 use crate::space::{Freedoms, Kinematics, Space, Vector, join, split};
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 
 /// The load that a surface takes.
 pub struct Taken {

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::markers::Markers;
 use crate::kernel::Kernel;
 use crate::space::Vector;
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 
 /// Shares of the nodes in each part.
 #[derive(Default)]

@@ -5,7 +5,7 @@ use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
 use crate::parameters::Body;
 use crate::space::{Freedoms, Kinematics, Space, Spin, Vector};
-use crate::stations::Stations;
+use contact::Stations;
 
 /// The nodes of a thin rigid body.
 pub struct RigidNodes<const D: usize>

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::parts::Parts;
 use super::surface::Facets;
 use crate::space::{Kinematics, Space, Vector};
-use crate::stations::Stations;
+use contact::Stations;
 
 /// The patches of a surface, over which the force on a marker counts as stress.
 pub struct SurfaceStress {

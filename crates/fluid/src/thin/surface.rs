@@ -267,9 +267,9 @@ fn square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stations::{Loads, Stations};
     use crate::thin::Markers;
     use crate::thin::slip::Slip;
+    use contact::{Loads, Stations};
 
     /// A rectangle of 1 m x 0.5 m in fine and in coarse triangles.
     fn rectangle(along: usize) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {

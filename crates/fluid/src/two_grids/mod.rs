@@ -43,8 +43,8 @@ use crate::problem::Problem;
 use crate::space::{Space, Vector};
 use crate::spectral::{AdvectionRate, Transforms};
 use crate::state::{Memory, TwoGridsMemory, TwoStep};
-use crate::stations::Stations;
 use crate::step::{Differences, DomainReader, Sbdf2, Scheme, StartVelocity, Substep};
+use contact::Stations;
 
 use coarse::{Background, Coarse};
 use levels::Below;

@@ -173,7 +173,7 @@ fn two_lines(heights: [f64; 2], contact: Option<f64>, ratio: f64, communication_
         extent: Extent::Line { free: [true; 2] },
         pivot: None,
     };
-    let skin = |mass: f64| Skin { radius: vec![0.02; 9], largest_stiffness: mass * (PI / (10.0 * STEP)).powi(2) };
+    let skin = |mass: f64| Skin { radius: vec![0.02; 9], largest_stiffness: mass * (PI / (10.0 * STEP)).powi(2), mass };
     parameters.flexible = heights.map(line).into();
     parameters.contact = contact.map(|stiffness| Contact {
         law: BodyLaw { range: 0.2, stiffness, damping: 0.0, friction: 0.0, film: None, dt: STEP },
@@ -263,7 +263,8 @@ fn two_rods_that_cross_carry_a_load_by_halves() {
     let mut parameters = Parameters::<3>::new([[-0.8, 0.8]; 3], [16; 3], 1e-2, 1e-3, STEP);
     let height = 0.5 * (range + 2.0 * radius);
     parameters.flexible = vec![line(height, 0), line(-height, 1)];
-    let skin = || Some(Skin { radius: vec![radius; 9], largest_stiffness: MASS * (PI / (10.0 * STEP)).powi(2) });
+    let largest_stiffness = MASS * (PI / (10.0 * STEP)).powi(2);
+    let skin = || Some(Skin { radius: vec![radius; 9], largest_stiffness, mass: MASS });
     parameters.contact = Some(Contact {
         law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },
         obstacles: vec![],
@@ -306,7 +307,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
         let mut parameters = Parameters::<3>::new(domain, [16, 16, 32], 1e-2, 1e-3, STEP);
         parameters.max_cfl = 0.8;
         let range = 0.2;
-        let largest = |mass: f64| mass * (PI / (10.0 * STEP)).powi(2);
+        let largest_stiffness = MASS * (PI / (10.0 * STEP)).powi(2);
         let radius = |body: &Flexible<3>| match body.extent {
             Extent::Surface(_) => Skin::of_surface(range),
             _ => 0.02,
@@ -315,7 +316,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
         let skins = parameters
             .flexible
             .iter()
-            .map(|body| Some(Skin { radius: vec![radius(body); body.nodes.len()], largest_stiffness: largest(MASS) }));
+            .map(|body| Some(Skin { radius: vec![radius(body); body.nodes.len()], largest_stiffness, mass: MASS }));
         let skins = skins.collect();
         parameters.contact = has_contact.then_some(Contact {
             law: BodyLaw { range, stiffness: f64::INFINITY, damping: 0.0, friction: 0.0, film: None, dt: STEP },
@@ -395,4 +396,25 @@ fn the_fluid_keeps_lines_of_two_units_apart() {
         let [least, _] = lines_that_meet(None, ratio);
         assert!(least < 0.1, "without contact they stay {least} m apart");
     }
+}
+
+/// The upper line moves along the lower one: friction is μ N against the slip on both, and announces no rate.
+#[test]
+fn lines_that_slide_rub_with_the_friction_of_their_law() {
+    let (friction, gap, stiffness) = (0.3, 0.12, 1e3);
+    let [(upper, lower, rate), (upper_alone, lower_alone, rate_alone)] = [friction, 0.0].map(|friction| {
+        let mut parameters = two_lines([0.08, -0.08], Some(stiffness), 1.0, STEP);
+        parameters.contact.as_mut().expect("it has contact").law.friction = friction;
+        let mut fluid = Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"));
+        let upper = &mut fluid.stations_mut()[0];
+        upper.velocity[0].fill(1.0);
+        upper.position[0].iter_mut().for_each(|x| *x += STEP);
+        fluid.advance(0.0, STEP).unwrap_or_else(|e| panic!("{e}"));
+        let [one, other] = [0, 1].map(|k| fluid.loads()[k].force[0].iter().sum::<f64>());
+        (one, other, fluid.loads()[0].impedance.clone())
+    });
+    let [on_upper, on_lower] = [upper - upper_alone, lower - lower_alone];
+    let normal = 0.8 * stiffness * (0.2 - gap) * (0.2 - gap) / (2.0 * 0.2);
+    assert!((on_upper / (-friction * normal) - 1.0).abs() < 0.05, "{on_upper} N on the upper line of {normal} N");
+    assert!((on_upper + on_lower).abs() < 1e-9 * normal && rate == rate_alone, "{on_upper} and {on_lower} N");
 }

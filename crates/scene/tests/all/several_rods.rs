@@ -82,5 +82,7 @@ fn lists_that_make_no_sense_are_refused_by_key() {
     );
     one.rods.push(back);
     one.fluid = None;
-    assert!(one.check().unwrap_err().to_string().contains("`fluid` is missing: several rods need a fluid"));
+    assert!(
+        one.check().unwrap_err().to_string().contains("`fluid` is missing: several rods need a fluid or a `contact`")
+    );
 }

@@ -1,7 +1,7 @@
 //! Directions of the segments and sections of a beam, and how the sections turn.
 
 use super::vector::{bisector, difference, direction, dot, normal};
-use crate::stations::Stations;
+use contact::Stations;
 
 /// Directions of a beam at some stations.
 #[derive(Clone)]

@@ -19,7 +19,7 @@ use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::parameters::{Extent, Parameters};
 use crate::space::{Kinematics, Space, Vector};
-use crate::stations::{Loads, Stations};
+use contact::{Loads, Stations};
 use frame::StationSection;
 use mask::BeamMask;
 use pose::{BeamPose, Place};

@@ -21,7 +21,7 @@ use crate::bodies::cells::{Cell, Cells};
 use crate::bodies::measure::{Measure, Measured, Surface};
 use crate::grid::Grid;
 use crate::space::Space;
-use crate::stations::Stations;
+use contact::Stations;
 
 /// A beam at some stations.
 #[derive(Clone)]

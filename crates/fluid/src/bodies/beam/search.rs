@@ -3,7 +3,7 @@
 use super::frame::{Frame, Segment};
 use super::mask::BeamMask;
 use crate::grid::Grid;
-use crate::stations::Stations;
+use contact::Stations;
 
 /// A grid point that the mask may reach, with its place on the polyline of the stations.
 #[derive(Clone, Copy, Debug)]

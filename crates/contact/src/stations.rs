@@ -1,9 +1,9 @@
-//! The stations of a beam: inputs are their motion, outputs their loads.
+//! The stations of a beam or the nodes of a wing: units exchange their motion and their loads.
 
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
-use crate::space::Vector;
+use rigid::Vector;
 
 /// Positions and velocities of the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +36,7 @@ impl<const D: usize> Stations<D> {
     }
 
     /// Return their mean position, m.
-    pub(crate) fn middle(&self) -> Vector<D> {
+    pub fn middle(&self) -> Vector<D> {
         self.position.each_ref().map(|all| all.iter().sum::<f64>() / all.len() as f64).into()
     }
 
@@ -59,7 +59,7 @@ impl<const D: usize> Stations<D> {
     }
 
     /// Become the stations that `from` reaches in `h` seconds with constant velocities.
-    pub(crate) fn extrapolate(&mut self, from: &Self, h: f64) {
+    pub fn extrapolate(&mut self, from: &Self, h: f64) {
         self.copy_from(from);
         for (position, velocity) in self.position.iter_mut().zip(&from.velocity) {
             position.iter_mut().zip(velocity).for_each(|(p, v)| *p += h * v);
@@ -67,7 +67,7 @@ impl<const D: usize> Stations<D> {
     }
 
     /// Copy each of `others` to the element of `all` with the same index; allocates nothing.
-    pub(crate) fn copy_all(all: &mut [Self], others: &[Self]) {
+    pub fn copy_all(all: &mut [Self], others: &[Self]) {
         all.iter_mut().zip(others).for_each(|(own, other)| own.copy_from(other));
     }
 
@@ -79,7 +79,7 @@ impl<const D: usize> Stations<D> {
 
     /// Become the stations at the fraction `s` of the time from `a` to `b`, which are `h` seconds apart: the velocity
     /// is linear, the position is the cubic with the positions and velocities of both ends.
-    pub(crate) fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
+    pub fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
         for axis in 0..D {
             for k in 0..self.len() {
                 let (p0, p1) = (a.position[axis][k], b.position[axis][k]);
@@ -95,23 +95,42 @@ impl<const D: usize> Stations<D> {
 
 impl<const D: usize> Loads<D> {
     /// Loads of zero on `n` stations.
-    pub(crate) fn none(n: usize) -> Self {
+    pub fn none(n: usize) -> Self {
         Self { force: std::array::from_fn(|_| vec![0.0; n]), impedance: vec![0.0; n] }
     }
 
     /// Copy `other`, which is for as many stations; unlike `clone_from` this allocates nothing.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
+    pub fn copy_from(&mut self, other: &Self) {
         (0..D).for_each(|axis| self.force[axis].copy_from_slice(&other.force[axis]));
         self.impedance.copy_from_slice(&other.impedance);
     }
 
+    /// Return their sum in a step between these stations, N: each force falls with the change of the velocity.
+    pub fn force_in_step(&self, before: &Stations<D>, now: &Stations<D>) -> [f64; D] {
+        std::array::from_fn(|axis| {
+            let parts = self.force[axis].iter().zip(&self.impedance);
+            let velocities = before.velocity[axis].iter().zip(&now.velocity[axis]);
+            parts.zip(velocities).map(|((force, rate), (v_0, v))| force - rate * (v - v_0)).sum()
+        })
+    }
+
+    /// Return the power of these forces in a step between these stations, at its end, W.
+    pub fn power(&self, before: &Stations<D>, now: &Stations<D>) -> f64 {
+        let power = |axis: usize| {
+            let parts = self.force[axis].iter().zip(&self.impedance);
+            let velocities = before.velocity[axis].iter().zip(&now.velocity[axis]);
+            parts.zip(velocities).map(|((force, rate), (v_0, v))| (force - rate * (v - v_0)) * v).sum::<f64>()
+        };
+        (0..D).map(power).sum()
+    }
+
     /// Return whether all are finite.
-    pub(crate) fn are_finite(&self) -> bool {
+    pub fn are_finite(&self) -> bool {
         self.force.iter().chain([&self.impedance]).flatten().all(|load| load.is_finite())
     }
 
     /// Return whether `other` is for as many stations.
-    pub(crate) fn has_shape_of(&self, other: &Self) -> bool {
+    pub fn has_shape_of(&self, other: &Self) -> bool {
         let lengths = |l: &Self| (l.force.each_ref().map(Vec::len), l.impedance.len());
         lengths(self) == lengths(other)
     }
