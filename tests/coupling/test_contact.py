@@ -177,7 +177,7 @@ def test_contact_alone_is_that_of_a_fluid_too_light_to_matter(tmp_path):
     """A rod falls across a wing: without a fluid contact makes up for what the sides took amiss of each other."""
     heights, loads = [], []
     for scene in (dropped(contact=True), {key: own for key, own in dropped(contact=True).items() if key != "fluid"}):
-        with Session(validate(scene), tmp_path) as session:
+        with Session(validate(scene).copy({"time.end": 0.2}), tmp_path) as session:
             session.start()
             rod = session.units["rod"]
             for _ in range(session.grid.steps):
