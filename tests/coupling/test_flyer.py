@@ -17,6 +17,7 @@ from nervure.coupling.flight import Carried
 from nervure.errors import InputError, SceneError
 from nervure.output import animation
 from nervure.resources import ROOT
+from nervure.scene import validate
 from nervure.scene.facts import Facts
 from nervure.simulation.session import Session
 from nervure.units.describe import describe
@@ -469,6 +470,20 @@ def test_a_flight_in_a_fluid_goes_on_from_a_saved_state_with_the_same_bits(tmp_p
             exchanges = [scheme.step(k * 5e-3, 5e-3) for k in range(4, 7)]
             ends.append(session.units["body"].outputs.copy())
     assert max(exchanges) > 1 and np.array_equal(*ends), exchanges
+
+
+def test_a_flyer_in_a_fluid_moves_alike_with_few_rows():
+    scene = swimmer()
+    scene["time"]["end"] = 12 * scene["time"]["communication_step"]
+
+    def series(every: float | None) -> dict[str, np.ndarray]:
+        with Session(validate(scene), series_every=every) as session:
+            session.run()
+            return session.recorder.series
+
+    some = series(3 * scene["time"]["communication_step"])
+    for name, values in series(None).items():
+        assert np.array_equal(some[name], values[::3]), name
 
 
 def test_a_flyer_swims_with_wings_and_a_body_in_a_fluid(tmp_path):

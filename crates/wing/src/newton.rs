@@ -162,8 +162,9 @@ impl Newton {
                 statistics.rescues += usize::from(guarded);
                 return Ok(elastic.check_angles()?);
             }
-            // The small soft update to a shape nearby leaves stiff forces of its own size, which the next one removes.
-            stale = imbalance.residual > SLOW * before && !std::mem::take(&mut self.near);
+            // A first soft update to a shape nearby leaves stiff forces as large as those before; the second removes them.
+            let is_first_nearby = std::mem::take(&mut self.near);
+            stale = imbalance.residual > SLOW * before && !is_first_nearby;
             if stale {
                 self.look_ahead(elastic, balance);
             }

@@ -135,8 +135,8 @@ impl Structure<3> for Wing {
         core.set_balance(rule, load_part, |_| 0.0);
         let base = placement.motion();
         elastic.twists.predict(&core.state.own.twists, rule, span.dt, core.state.last_step);
-        if trial.serves {
-            trial.guess(&base, origin, elastic, core);
+        if trial.serves && elastic.twists.strands.is_empty() {
+            trial.guess(&base, origin, core);
         }
         elastic.forget_shape();
         (elastic.support, elastic.omega) = (base.matrix(), Vector::from(base.angular_velocity));

@@ -2,13 +2,13 @@
 //!
 //! Before a step the body that carries a wing asks for the reaction to a root that keeps its accelerations
 //! ([`Wing::root_response`](crate::Wing::root_response)). The root then ends at a place that differs little. So Newton's
-//! method starts from the end of the trial, moved with the root, and from the factors there. A trial serves the next step
-//! alone, of the same length and under the same loads; a wing that is restored or placed forgets it.
+//! method starts from the end of the trial, moved with the root, and from the factors there. Directors of veins depend on
+//! the way of the iteration, so a wing that has them starts from its usual guess. A trial serves the next step alone, of
+//! the same length and under the same loads; a wing that is restored or placed forgets it.
 
 use structure::{Core, Loads};
 
 use crate::base::{Memory, RigidMotion};
-use crate::elastic::Elastic;
 use crate::geometry::Vector;
 
 /// Relative difference of two lengths of a step that counts as rounding.
@@ -25,7 +25,7 @@ pub(crate) struct Trial {
     loads: Loads,
     /// Positions at the end, m: `[nodes]`.
     positions: Vec<Vector>,
-    memory: Memory,
+    base: RigidMotion,
 }
 
 impl Trial {
@@ -37,7 +37,7 @@ impl Trial {
             duration: 0.0,
             loads: Loads::default(),
             positions: core.rest.clone(),
-            memory: core.state.own.clone(),
+            base: core.state.own.base,
         }
     }
 
@@ -53,7 +53,7 @@ impl Trial {
         self.duration = core.state.last_step;
         self.loads.copy_from(loads);
         self.positions.copy_from_slice(&core.state.positions);
-        self.memory.clone_from(&core.state.own);
+        self.base = core.state.own.base;
     }
 
     /// Begin a step of `duration`, s, under `loads`; return whether it starts from the trial.
@@ -65,15 +65,9 @@ impl Trial {
     }
 
     /// Move the first guess of a stage to the end of the trial, moved with the base about `origin` to `base`.
-    pub(crate) fn guess(&self, base: &RigidMotion, origin: Vector, elastic: &mut Elastic, core: &mut Core<3, Memory>) {
-        let before = &self.memory.base;
-        let rotation = base.matrix() * before.matrix().transpose();
-        let [from, to] = [before, base].map(|base| origin + Vector::from(base.displacement));
-        let spin = rotation - rotation.transpose();
-        let turn = Vector::new(spin[(2, 1)], spin[(0, 2)], spin[(1, 0)]) * 0.5;
-        // Turns of directors count from the begin of the step, on the way over the usual guess.
-        elastic.twists.carry(&core.guess, &base.matrix());
-        elastic.twists.turn_to(|k, tangent| self.memory.twists[k].last_turn + turn.dot(tangent));
+    pub(crate) fn guess(&self, base: &RigidMotion, origin: Vector, core: &mut Core<3, Memory>) {
+        let rotation = base.matrix() * self.base.matrix().transpose();
+        let [from, to] = [&self.base, base].map(|base| origin + Vector::from(base.displacement));
         for (k, guess) in core.guess.iter_mut().enumerate().filter(|(k, _)| !core.held[*k]) {
             *guess = to + rotation * (self.positions[k] - from);
         }

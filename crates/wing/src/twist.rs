@@ -137,13 +137,6 @@ impl Pose {
         frame(self.tangent, self.director)
     }
 
-    /// Turn the director about the tangent, rad.
-    fn turn_by(&mut self, turn: f64) {
-        let (sin, cos) = turn.sin_cos();
-        self.director = (self.director * cos + self.tangent.cross(&self.director) * sin).normalize();
-        self.turn += turn;
-    }
-
     /// Move the director to another tangent by parallel transport.
     fn carry(&mut self, tangent: Vector) {
         if tangent != self.tangent {
@@ -363,14 +356,11 @@ impl Twists {
 
     /// Turn each director by a share of the update φ that `update` returns.
     pub(crate) fn turn(&mut self, share: f64, update: impl Fn(usize) -> f64) {
-        self.now.iter_mut().enumerate().for_each(|(k, pose)| pose.turn_by(share * update(k)));
-    }
-
-    /// Turn the directors until their turns since the begin of the sub-step are those that `turns` returns for a segment
-    /// and its tangent.
-    pub(crate) fn turn_to(&mut self, turns: impl Fn(usize, &Vector) -> f64) {
         for (k, pose) in self.now.iter_mut().enumerate() {
-            pose.turn_by(turns(k, &pose.tangent) - pose.turn);
+            let turn = share * update(k);
+            let (sin, cos) = turn.sin_cos();
+            pose.director = (pose.director * cos + pose.tangent.cross(&pose.director) * sin).normalize();
+            pose.turn += turn;
         }
     }
 

@@ -140,8 +140,8 @@ class Flight(Explicit):
         links = {name: link for name, link in zip(rods, self.links, strict=True) if link.rod in self.carried_units}
         self.carried = [Carried(name, link, body) for name, link in links.items()]
         roots = [name for one in self.carried for kind in ("reference", "root") for name in one.outputs(kind)]
-        body.connect([*self.inputs], roots)
         self._find_shape()
+        body.connect([*self.inputs], roots, [*self.motion])
         self.driven = WithinStep(self.units, self.left)
 
     def watched(self, rod: Unit) -> list[str]:
@@ -211,7 +211,7 @@ class Flight(Explicit):
             for name, value in one.reaction().items():
                 self.give(f"{one.name}.{name}", value)
         self.body.set()
-        self.body.get()
+        self.body.get_exchanged()
         for one in self.carried:
             one.move("reference", h)
             for name, value in one.respond(t, h).items():

@@ -303,14 +303,16 @@ class Unit:
         return np.array(self._call(fmu.getInt32 if is_integer else fmu.getFloat64, variable.references, variable.size))
 
     def reader(self, names: Sequence[str]) -> Callable[[], np.ndarray]:
-        """Return a function that reads Real variables of one size, `[size, len(names)]`; those that every step fetches
-        cost nothing."""
-        if self.slices.keys() >= set(names):
-            places = [self.slices[name] for name in names]
-            return lambda: np.column_stack([self.outputs[place] for place in places])
+        """Return a function that reads Real variables of one size, `[size, len(names)]`; those that the last step
+        fetched cost nothing."""
+        places = [self.slices[name] for name in names if name in self.slices]
+        has_all, fetched = len(places) == len(names), self.outputs.size - self.reals.size
+        has_scalar = any(place.stop > fetched for place in places)
         values, arguments = self._buffer([*names], ctypes.c_double)
 
         def read() -> np.ndarray:
+            if has_all and not (has_scalar and self.stale):
+                return np.column_stack([self.outputs[place] for place in places])
             start = perf_counter()
             self._check(self._get_reals(*arguments), "gave no outputs")
             self.seconds += perf_counter() - start

@@ -105,13 +105,14 @@ fn the_impedance_of_a_stiff_wing_is_its_rigid_inertia_and_that_of_a_soft_one_is_
     }
 }
 
-/// The change of the root is that of a body that accelerates by 1 g more than at the reference, and turns faster.
+/// The change of the root is that of a body that accelerates by 1 g more than at the reference, and turns faster; a
+/// change a hundred times as large costs more.
 #[test]
 fn a_step_after_its_trial_takes_no_factorisation_and_ends_at_the_same_place() {
-    for torsion in [0.0, 0.8] {
+    for (torsion, scale) in [(0.0, 1.0), (0.8, 1.0), (0.0, 100.0), (0.8, 100.0)] {
         let (mut wing, t) = flapping(1e7, torsion);
         let state = wing.state().clone();
-        let change = [1e-2, -5e-3, 1e-2, 0.05, -0.02, 0.05];
+        let change = [1e-2, -5e-3, 1e-2, 0.05, -0.02, 0.05].map(|part| part * scale);
         let mut step = |is_tried: bool| {
             wing.restore(&state).expect("a state");
             if is_tried {
@@ -124,13 +125,15 @@ fn a_step_after_its_trial_takes_no_factorisation_and_ends_at_the_same_place() {
             (wing.state().clone(), wing.statistics())
         };
         let [(alone, effort), (tried, less)] = [false, true].map(&mut step);
-        assert!(less.factorisations == 0 && less.iterations <= effort.iterations, "{less:?} after {effort:?}");
+        let is_cheap = less.factorisations == 0 && less.iterations <= effort.iterations;
+        assert!(is_cheap || scale > 1.0, "{less:?} after {effort:?}");
         assert!(effort.factorisations > 0, "{effort:?}");
         let moved = |of: &[Vector], to: &[Vector]| of.iter().zip(to).map(|(x, y)| (x - y).norm()).fold(0.0, f64::max);
         let whole = moved(&state.positions, &alone.positions);
         let off = moved(&tried.positions, &alone.positions);
         println!("torsion {torsion}: {off:e} m of {whole:e}, {effort:?}, {less:?}");
-        assert!(off < 1e-9 * whole, "torsion {torsion}: off by {off:e} m of {whole:e}");
+        let allowed = if scale > 1.0 { 1e-8 } else { 1e-9 };
+        assert!(off < allowed * whole, "torsion {torsion}: off by {off:e} m of {whole:e}");
         let [one, other] = [&tried, &alone].map(|state| state.drive.force);
         assert!((one - other).norm() < 1e-8 * other.norm(), "{one} is not {other}");
     }
