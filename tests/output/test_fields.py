@@ -139,7 +139,10 @@ def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_pa
 def test_one_frame_is_no_film(rod_only, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(rod_only))
-    assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "1").returncode == 0
+    assert (
+        stopped(signal.SIGINT, 5, "run", path, "--output", tmp_path / "results", "--fields-every", "1").returncode
+        == 130
+    )
     done = nervure("animate", tmp_path / "results")
     assert done.returncode == 2 and "has one frame, but a film needs two" in done.stderr, done.stderr
 

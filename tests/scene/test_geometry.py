@@ -75,8 +75,8 @@ def test_motions_of_many_bodies_are_checked_in_seconds_and_what_meets_is_found(l
     assert seconds < 20, seconds
 
 
-@pytest.mark.parametrize("contact", [{}, None])
-def test_two_wings_that_come_within_a_cell_of_each_other_are_said_once(contact, libraries):
+@pytest.mark.parametrize(("contact", "counts"), [({}, [0, 0, 0, 0, 0]), (None, [0, 0, 1, 0, 0])])
+def test_two_wings_that_come_within_a_cell_of_each_other_without_contact_are_said_once(contact, counts, libraries):
     scene = read(ROOT / "examples" / "wings-clap.json") | {"contact": contact}
     mesh = Facts(validate(scene)).wing
     left = mesh.nodes[: len(mesh.nodes) // 2]
@@ -89,11 +89,11 @@ def test_two_wings_that_come_within_a_cell_of_each_other_are_said_once(contact, 
         )
         memory = answer["memory"]
         said.append(answer["warnings"])
-    assert [len(found) for found in said] == [0, 0, 1, 0, 0], said
+    assert [len(found) for found in said] == counts, said
     expected = (
         "the wing right comes within a cell of the wing left near .*, where their kernels overlap, at t = 0.00002 s"
     )
-    assert re.match(expected, *said[2])
+    assert all(re.match(expected, text) for text in said[2])
 
 
 def test_advice_for_the_cfl_number_does_not_lead_back(libraries):

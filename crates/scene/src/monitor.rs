@@ -109,6 +109,7 @@ impl Monitor<'_> {
             let is_surface = |(_, shape): (_, &Shape)| matches!(shape, Shape::Surface(_));
             if self.is_run
                 && self.fluid.is_some()
+                && !self.has_contact
                 && (one.0.deforms || two.0.deforms)
                 && is_surface(one)
                 && is_surface(two)
