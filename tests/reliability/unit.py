@@ -99,9 +99,10 @@ def tried(check: Callable[[FMU2Unit, int], str], kind: str, folder: Path, count:
 
 
 def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
-    """Return the value of `target` in a process of its own, started by `method` (fork, spawn). Raise AssertionError if
-    it fails, crashes, or has not ended after `timeout` (s)."""
+    """Return the value of `target` in a process of its own, started by `method` (fork, spawn, forkserver). Raise
+    AssertionError if it fails, crashes, or has not ended after `timeout` (s)."""
     context: Any = multiprocessing.get_context(method)
+    context.set_forkserver_preload(["tests.reliability.checks"])  # Each process is then as new, and starts at once
     answers = context.SimpleQueue()
     process = context.Process(target=_answer, args=(answers, target, *arguments))
     process.start()

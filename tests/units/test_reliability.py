@@ -32,7 +32,7 @@ def folders(tmp_path_factory, libraries):
 def test_check_finds_nothing(name, kind, tmp_path):
     check = CHECKS[name]
     folder = unpack(kind, tmp_path, check.scene)
-    child("spawn", 60.0, tried, check.function, kind, folder, check.few)
+    child("forkserver", 60.0, tried, check.function, kind, folder, check.few)
 
 
 @pytest.mark.parametrize(
@@ -40,7 +40,7 @@ def test_check_finds_nothing(name, kind, tmp_path):
 )
 def test_a_crash_and_a_hang_are_found(planted, after, found):
     with pytest.raises(AssertionError, match=found):
-        child("spawn", after, *planted)
+        child("forkserver", after, *planted)
 
 
 @both

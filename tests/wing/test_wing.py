@@ -176,7 +176,7 @@ def test_the_same_scene_gives_the_same_bytes_and_another_scene_another_identity(
 def test_check_of_units_finds_nothing(name, tmp_path):
     check = CHECKS[name]
     count = min(check.few, 30) if name == "hostile" else check.few  # A solve under absurd loads is long
-    child("spawn", 60.0, tried, check.function, "wing", unpack("wing", tmp_path), count)
+    child("forkserver", 60.0, tried, check.function, "wing", unpack("wing", tmp_path), count)
 
 
 SQUARE: dict[str, Any] = {
