@@ -101,10 +101,14 @@ def main(
             data.take(study, case, run, update_timings)
     if listing:
         return
-    for study, case, run in engine.run(todo, jobs, scheduler):
-        changed = data.take(study, case, run, update_timings)
-        data.save()
-        typer.echo(f"{study.name}/{case.name}: {run.found.get('error') or ('new' if changed else 'as before')}")
+    try:
+        for study, case, run in engine.run(todo, jobs, scheduler):
+            changed = data.take(study, case, run, update_timings)
+            data.save()
+            typer.echo(f"{study.name}/{case.name}: {run.found.get('error') or ('new' if changed else 'as before')}")
+    except ChildProcessError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(1) from error
     data.save()
     by_name = {f"{study.name}/{case.name}": partial(study.run_of, case) for study, case in data.cases.values()}
     for study in studies:

@@ -41,10 +41,14 @@ def output(command: list[str], timeout: float = LONGEST) -> str:
 
 
 def tables(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the option `command`, where `{folder}` and `{python}` are filled in; return the tables that it wrote."""
+    """Run the option `command`, where `{folder}` and `{python}` are filled in; return the tables that it wrote. Raise
+    `ChildProcessError` if it fails, which is no result."""
     for path in folder.glob("*.csv"):
         path.unlink()
-    output([part.format(folder=folder, python=sys.executable) for part in case.options["command"]])
+    try:
+        output([part.format(folder=folder, python=sys.executable) for part in case.options["command"]])
+    except InputError as error:
+        raise ChildProcessError(f"{case.name}: {error}") from error
     return {"tables": {path.stem: read(path) for path in sorted(folder.glob("*.csv"))}}
 
 

@@ -236,14 +236,20 @@ def workers(jobs: int, scheduler: str | None) -> Iterator[Executor]:
 def run(
     todo: list[tuple[Study, Case]], jobs: int = 1, scheduler: str | None = None
 ) -> Iterator[tuple[Study, Case, Run]]:
-    """Run all of `todo` and yield each when it has ended. An interruption keeps what has ended."""
+    """Run all of `todo` and yield each when it has ended. An interruption keeps what has ended. Raise
+    `ChildProcessError` after the last one for programs that failed, whose results stay what they were."""
+    failed = []
     with workers(jobs, scheduler) as pool:
         futures: dict[Future[None], tuple[Study, Case]] = {}
         for study, case in todo:
             futures[pool.submit(execute, case, study.folder(case))] = study, case
         try:
             for future in as_completed(futures):
-                future.result()
+                try:
+                    future.result()
+                except ChildProcessError as error:
+                    failed.append(str(error))
+                    continue
                 study, case = futures[future]
                 ended = study.run_of(case)
                 assert ended is not None, study.folder(case)
@@ -252,6 +258,8 @@ def run(
             for future in futures:
                 future.cancel()
             raise
+    if failed:
+        raise ChildProcessError("\n".join(failed))
 
 
 def chosen(studies: Iterable[Study], only: str = "*", full: bool = True) -> list[tuple[Study, Case]]:

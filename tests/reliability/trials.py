@@ -169,7 +169,7 @@ def loads(library: FMU2Unit, count: int) -> str:
         library.freeLibrary()
         maps = Path("/proc/self/maps").read_text().splitlines()
         mappings.append(len(maps))
-        ours = sum(f"fmu_{library.kind}" in line for line in maps)
+        ours = sum(str(library.folder) in line for line in maps)
         traces.append((len(os.listdir("/proc/self/task")), len(os.listdir("/proc/self/fd")), ours))
         assert ours == 0 and traces[0] == traces[-1], f"cycle {case}: {traces[-1]} after {traces[0]}"
         library.load()

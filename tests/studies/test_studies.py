@@ -3,7 +3,7 @@
 import pytest
 
 from nervure.resources import ROOT
-from studies import catalogue, engine, flight, fluid, roofline, same, show, speed
+from studies import catalogue, commands, engine, flight, fluid, roofline, same, show, speed
 from studies.engine import Case, Study
 from studies.store import Data, Record
 
@@ -92,6 +92,24 @@ def test_a_run_that_agrees_changes_no_file(small):
     small(again=True)
     assert len(small.ran()) == 4
     assert before == [(small.folder / name).read_bytes() for name in ("results.json", "times.json")]
+
+
+def test_a_program_that_fails_is_no_result_and_stops_no_other(tmp_path, monkeypatch):
+    monkeypatch.setattr(engine, "RESULTS", tmp_path)
+    write = "open('{folder}/found.csv', 'w').write('n\\n1\\n')"
+    options = [{"command": ["{python}", "-c", code]} for code in ("raise SystemExit('broken')", write)]
+    cases = [Case(f"group/{n}", ("fuzz",), options=own, action=commands.tables) for n, own in enumerate(options)]
+    study = Study("programs", lambda: cases, lambda case, run: {})
+    ended, runs = [], engine.run([(study, case) for case in cases])
+    with pytest.raises(ChildProcessError, match="group/0: broken"):
+        for _, case, run in runs:
+            ended.append((case.name, run.found["tables"]["found"]))
+    assert ended == [("group/1", [{"n": 1.0}])]
+
+
+def test_every_check_of_reliability_passed():
+    records = Data(catalogue.STUDIES).load().of("reliability/*")
+    assert len(records) > 50 and not [record.name for record in records if record.error]
 
 
 def test_a_source_that_has_moved_is_noticed(small):

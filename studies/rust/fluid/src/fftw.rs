@@ -5,7 +5,7 @@ use std::path::Path;
 use std::slice::from_raw_parts_mut;
 
 use libloading::{Library, Symbol};
-use nervure_line_fft::Real;
+use line_fft::Real;
 
 type Allocate = unsafe extern "C" fn(usize) -> *mut c_void;
 type Plan = unsafe extern "C" fn(c_int, *const c_int, *mut c_void, *mut c_void, c_uint) -> *mut c_void;

@@ -19,7 +19,7 @@ use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::internals::{Implicit, Phase, Projection};
 use nervure_fluid::{Filter, Fluid, Parameters};
-use nervure_line_fft::{Fft2, Fft3, Real, Scratch, Team};
+use line_fft::{Fft2, Fft3, Real, Scratch, Team};
 use scene::{Precision, Scene};
 
 use machine::{Clock, Fused};

@@ -8,7 +8,7 @@
 //! have no count: how long the lists are is not known here.
 
 use nervure_fluid::internals::{Phase, Projection};
-use nervure_line_fft::{Fft2, Real};
+use line_fft::{Fft2, Real};
 
 /// What a phase does in a step.
 pub struct Work {
