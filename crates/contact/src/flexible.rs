@@ -13,7 +13,7 @@
 
 use rigid::{Drag, Freedoms, Kinematics, Vector};
 
-use crate::bodies::nearest_image;
+use crate::bodies::{BodyLaw, Pair, Part as BodyPart, PartMotion, nearest_image};
 use crate::cells::Cells;
 use crate::law::{Before, Law};
 use crate::obstacle::{Obstacle, Pose};
@@ -61,7 +61,7 @@ pub struct FlexibleBody<'a, const D: usize> {
     pub skin: Option<&'a Skin>,
 }
 
-/// A rigid body on a mount.
+/// A rigid body on a mount, or one that another unit moves.
 #[derive(Clone, Debug)]
 pub struct MountedBody<const D: usize> {
     /// Its number.
@@ -70,6 +70,31 @@ pub struct MountedBody<const D: usize> {
     pub solid: Obstacle<D>,
     /// Mass, kg, and least moment of inertia, kg m², in the plane per metre of depth.
     pub inertia: [f64; 2],
+    /// Mass of the fluid that it displaces, kg.
+    pub displaced: f64,
+    /// Its pivot in the axes of the shape, m.
+    pub pivot: Vector<D>,
+    /// How one that another unit moves touches the others; absent of one on a mount.
+    pub law: Option<BodyLaw>,
+    /// Numbers of the flexible bodies that it carries and does not touch.
+    pub carries: Vec<usize>,
+}
+
+impl<const D: usize> MountedBody<D>
+where
+    [f64; D]: Kinematics<D>,
+{
+    /// Return a body on a mount at the middle of its shape that displaces nothing.
+    pub fn new(number: usize, solid: Obstacle<D>, inertia: [f64; 2]) -> Self {
+        Self { number, solid, inertia, displaced: 0.0, pivot: Vector::zeros(), law: None, carries: vec![] }
+    }
+
+    fn part(&self) -> BodyPart<D> {
+        let [mass, moment] = self.inertia;
+        // A light body is as slow as the fluid that it displaces.
+        let inertia = Some([mass.max(self.displaced), moment]);
+        BodyPart { solid: self.solid.clone(), inertia, pivot: self.pivot, motion: PartMotion::still(self.solid.pose) }
+    }
 }
 
 /// Contact of flexible bodies.
@@ -80,14 +105,16 @@ where
     parts: Vec<Part>,
     /// Numbers of two parts, with the force per metre or square metre of each.
     pairs: Vec<([usize; 2], [Contacting; 2])>,
-    /// Bodies on a mount, and the force of each part on them.
-    bodies: Vec<(MountedBody<D>, Vec<Contacting>)>,
+    /// Rigid bodies, and the force of each part on them; absent of parts that they carry.
+    bodies: Vec<(MountedBody<D>, Vec<Option<Contacting>>)>,
+    /// Those of them that touch and that no equations of the fluid know, each with the mass with which they slip, kg.
+    body_pairs: Vec<(Pair<D>, f64)>,
     cells: Cells<D>,
     /// Lengths after which everything repeats along the axes, m; infinite: never.
     periods: [f64; D],
     /// Its part of the announced loads of each flexible body.
     loads: Vec<Loads<D>>,
-    /// Its part of the loads on those bodies on a mount.
+    /// Its part of the loads on those bodies.
     pushes: Vec<MountPush<D>>,
     /// Points of parts that touch; absent where nobody settles what their sides took.
     touches: Option<Vec<Touch<D>>>,
@@ -95,7 +122,7 @@ where
     energy: f64,
 }
 
-/// Load of contact on a body on a mount.
+/// Load of contact on a rigid body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MountPush<const D: usize>
 where
@@ -154,8 +181,8 @@ impl<const D: usize> FlexibleContact<D>
 where
     [f64; D]: Kinematics<D>,
 {
-    /// Return the contact of the flexible bodies that have a skin with each other and with bodies on a mount; none where no
-    /// two may touch. The stiffness of `own` is per metre or square metre, and acts at most as that of the skins.
+    /// Return the contact of the flexible bodies that have a skin with each other and with rigid bodies, and of the bodies
+    /// that other units move with those on a mount; none where no two may touch. The stiffness of `own` is per metre or square metre, and acts at most as that of the skins.
     pub fn new(
         flexible: &[FlexibleBody<D>],
         mounted: Vec<MountedBody<D>>,
@@ -197,12 +224,26 @@ where
         let with_parts = |body: MountedBody<D>| {
             let of = |((k, skin), part): (&(usize, &Skin), &Part)| {
                 let radii = 2.0 * part.thinnest().min(body.solid.half_thickness());
-                Contacting { law: law(skin.largest_stiffness, radii, own.range - range(*k)), mass: skin.mass }
+                let law = law(skin.largest_stiffness, radii, own.range - range(*k));
+                (!body.carries.contains(k)).then_some(Contacting { law, mass: skin.mass })
             };
             let contacting = skins.iter().zip(&parts).map(of).collect();
             (body, contacting)
         };
-        let bodies: Vec<_> = mounted.into_iter().map(with_parts).filter(|_| !parts.is_empty()).collect();
+        let solids: Vec<_> = mounted.iter().map(MountedBody::part).collect();
+        let mut body_pairs = Vec::new();
+        for j in 0..solids.len() {
+            for i in 0..j {
+                let (one, two) = (&solids[i], &solids[j]);
+                let Some(law) = mounted[i].law.or(mounted[j].law).filter(|_| one.solid.can_touch(&two.solid)) else {
+                    continue;
+                };
+                let mass = 1.0 / (1.0 / one.least_mass() + 1.0 / two.least_mass());
+                body_pairs.extend(Pair::all([i, j], [one, two], &law).into_iter().map(|pair| (pair, mass)));
+            }
+        }
+        let some = !parts.is_empty() || !body_pairs.is_empty();
+        let bodies: Vec<_> = mounted.into_iter().map(with_parts).filter(|_| some).collect();
         let loads = flexible.iter().map(|body| Loads::none(body.nodes.len())).collect();
         let most = parts.iter().map(|part| part.elements.len()).max().unwrap_or(0);
         let pushes = bodies.iter().map(|_| MountPush::default()).collect();
@@ -210,6 +251,7 @@ where
             parts,
             pairs,
             bodies,
+            body_pairs,
             cells: Cells::new(most),
             periods,
             loads,
@@ -226,8 +268,8 @@ where
         self
     }
 
-    /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the body
-    /// on a mount with a number.
+    /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the rigid
+    /// body with a number.
     pub fn find(
         &mut self,
         stations: &[Stations<D>],
@@ -235,7 +277,7 @@ where
         dt: f64,
     ) {
         self.clear();
-        let Self { parts, pairs, bodies, cells, loads, pushes, periods, touches, energy } = self;
+        let Self { parts, pairs, bodies, body_pairs, cells, loads, pushes, periods, touches, energy } = self;
         let mut found = Found { loads, touches: touches.as_mut(), energy };
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
@@ -244,10 +286,10 @@ where
                 add_side(of, on, shift, law, dt, cells, &mut found);
             }
         }
-        for ((body, laws), push) in bodies.iter().zip(pushes) {
+        for ((body, laws), push) in bodies.iter().zip(&mut *pushes) {
             let Some((at, pose)) = pose_of(body.number) else { continue };
             push.velocities = pose.rates();
-            for (part, contacting) in parts.iter().zip(laws) {
+            for (part, contacting) in parts.iter().zip(laws).filter_map(|(part, law)| Some((part, law.as_ref()?))) {
                 let own = &stations[part.number];
                 let shift = nearest_image(own.middle() - pose.position, periods);
                 let meet = |point: &SurfacePoint| {
@@ -274,6 +316,22 @@ where
                     push.load.add(-force, Vector::repeat(rate), &arm);
                 }
             }
+        }
+        for (pair, mass) in body_pairs {
+            let [of, on] = [pair.of, pair.on].map(|k| pose_of(bodies[k].0.number));
+            let Some(((place, of), (mut image, on))) = of.zip(on) else { continue };
+            let shift = nearest_image(place.origin - image.origin, periods);
+            image.origin += shift;
+            let contacting = Contacting { law: pair.law, mass: *mass };
+            pair.meet(&bodies[pair.on].0.solid, [&place, &image], |point, gap, normal| {
+                let arms = [point - of.position, point - shift - on.position];
+                let [one, other] = [(&of, arms[0]), (&on, arms[1])]
+                    .map(|(pose, arm)| pose.velocity + <[f64; D]>::swing(pose.omega, &arm));
+                let meeting = Meeting { normal, gap, velocity: one - other };
+                let Some((force, rate)) = meeting.answer(&contacting, dt, 1.0) else { return };
+                pushes[pair.of].load.add(force, Vector::repeat(rate), &arms[0]);
+                pushes[pair.on].load.add(-force, Vector::repeat(rate), &arms[1]);
+            });
         }
     }
 
@@ -337,7 +395,7 @@ where
         }
     }
 
-    /// Return what it does to bodies on a mount in the coming step, each by its number.
+    /// Return what it does to rigid bodies in the coming step, each by its number.
     pub fn pushes(&self) -> impl Iterator<Item = (usize, &MountPush<D>)> {
         self.bodies.iter().map(|(body, _)| body.number).zip(&self.pushes)
     }

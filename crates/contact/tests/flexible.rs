@@ -188,8 +188,7 @@ fn friction_takes_a_body_on_a_mount_along_and_never_past_the_line() {
     for mass in [1e-3, 0.1, 10.0] {
         let moment = 0.5 * mass * 0.09;
         let [(force, about), (without, _)] = [10.0, 0.0].map(|friction| {
-            let body =
-                MountedBody { number: 0, solid: Obstacle::block([0.0; 2], [0.0; 2], 0.3), inertia: [mass, moment] };
+            let body = MountedBody::new(0, Obstacle::block([0.0; 2], [0.0; 2], 0.3), [mass, moment]);
             let flexible = [FlexibleBody { nodes: &nodes, triangles: None, skin: Some(&skin) }];
             let law = Law { friction, ..LAW };
             let contact = FlexibleContact::new(&flexible, vec![body], &law, [f64::INFINITY; 2]);

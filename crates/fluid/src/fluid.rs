@@ -53,7 +53,7 @@ where
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
-    /// Contact of flexible bodies with each other and with bodies on a mount; absent without.
+    /// Contact of flexible bodies and the body that another unit moves with all that moves; absent without.
     flexible_contact: Option<FlexibleContact<D>>,
     limits: StepLimits,
     bytes_per_number: usize,
@@ -94,7 +94,8 @@ const fn numbers_of_fluid<const D: usize>() -> usize {
     if D == 2 { 33 } else { 52 }
 }
 
-/// Return the contact of the flexible bodies with each other and with the bodies on a mount; none where nothing may touch.
+/// Return the contact of the flexible bodies and the body that another unit moves with each other and with the bodies on a
+/// mount; none where nothing may touch.
 fn contact_of<const D: usize>(parameters: &Parameters<D>) -> Option<FlexibleContact<D>>
 where
     [f64; D]: Solvable<D>,
@@ -110,9 +111,17 @@ where
             skin: skin.as_ref(),
         })
         .collect();
+    let size = parameters.grid().size;
     let mounted = parameters.bodies.iter().enumerate().filter_map(|(number, body)| {
-        let inertia = body.mount()?.least_inertia();
-        Some(MountedBody { number, solid: body.shape.obstacle()?, inertia })
+        let carrier = own.carrier.as_ref().filter(|_| body.announces);
+        let inertia = body.mount().map(|mount| mount.least_inertia()).or(carrier.map(|own| own.inertia))?;
+        Some(MountedBody {
+            displaced: parameters.density * body.shape.moments(&size).volume,
+            pivot: body.pivot.into(),
+            law: carrier.map(|_| own.law),
+            carries: carrier.map_or(vec![], |own| own.carries.clone()),
+            ..MountedBody::new(number, body.shape.obstacle()?, inertia)
+        })
     });
     let BodyLaw { range, damping, friction, .. } = own.law;
     let law =
@@ -282,10 +291,10 @@ where
 
     /// Find the part of contact in the present loads; flexible bodies begin without loads.
     fn find_announced_contact(&mut self) {
-        let dt = self.coming_step();
+        let (dt, announces) = (self.coming_step(), self.announces());
         let Some(contact) = &mut self.flexible_contact else { return };
         let Present { flexible, carried, step, .. } = &self.present;
-        if *step > 0.0 {
+        if *step > 0.0 && announces {
             contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
         } else {
             contact.clear();
@@ -334,7 +343,7 @@ where
         for ((owed, stations), loads) in flexible.owed.iter().zip(&flexible.stations).zip(&mut flexible.loads) {
             pay(&owed.map(|impulse| impulse / dt), stations, loads);
         }
-        if let Some(contact) = self.flexible_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
+        if let Some(contact) = &mut self.flexible_contact {
             contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
             contact.add(&mut flexible.loads);
             self.problem.bodies.push(contact.pushes());

@@ -73,15 +73,16 @@ pub(crate) fn of_rod(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     })
 }
 
-/// Return the warning about bodies on a mount that may touch the body of a flyer.
+/// Return the warning about a flyer whose solid no fluid knows, beside something that moves.
 pub(crate) fn of_flyer(scene: &Scene) -> Option<Warning> {
-    let ((_, fluid), shape) = (scene.contact.as_ref().zip(scene.fluid.as_ref())?, scene.flyer.as_ref()?.shape?);
-    let other = fluid.bodies.iter().position(|body| body.mount.is_some())?;
-    let text = format!(
-        "`fluid.bodies[{other}]` bounces off the flyer's `fluid.bodies[{shape}]`, but contact does not push the flyer \
-         back: no free body should reach it"
-    );
-    Some(Warning { key: format!("fluid.bodies[{other}].mount"), time: None, text })
+    scene.flyer.as_ref().filter(|_| scene.contact.is_some())?.solid.as_ref()?;
+    let mounted = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).filter(|own| own.body.mount.is_some());
+    let rods = scene.beams_with_rods().map(|own| own.name.unwrap_or("rod").to_string());
+    let units = rods.chain(scene.wings().map(|own| own.name.to_string()));
+    let bare = units.filter(|name| scene.hinge_of(name).is_none());
+    let other = mounted.map(|own| own.key).chain(bare).next()?;
+    let text = format!("`flyer.solid` passes through `{other}`, which only a `flyer.shape` in the fluid touches");
+    Some(Warning { key: "flyer.solid".into(), time: None, text })
 }
 
 /// Return the warnings about bodies on a mount that contact throws at the start, or cannot part.
