@@ -41,7 +41,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
-    const STATE_LAYOUT: u32 = 9;
+    const STATE_LAYOUT: u32 = 10;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {

@@ -11,7 +11,7 @@
 //! side turns the slip around, so friction only takes energy, whatever else slows them. What sticks creeps with the
 //! velocity that its load gives it in some steps.
 
-use rigid::{Drag, Freedoms, Kinematics, Vector};
+use rigid::{Drag, Force, Freedoms, Kinematics, Vector, join, split};
 
 use crate::bodies::{BodyLaw, Pair, Part as BodyPart, PartMotion, nearest_image};
 use crate::cells::Cells;
@@ -116,8 +116,8 @@ where
     loads: Vec<Loads<D>>,
     /// Its part of the loads on those bodies.
     pushes: Vec<MountPush<D>>,
-    /// Points of parts that touch; absent where nobody settles what their sides took.
-    touches: Option<Vec<Touch<D>>>,
+    /// Points that touch.
+    touches: Vec<Touch<D>>,
     /// Energy of the contact of parts at the present gaps, J.
     energy: f64,
 }
@@ -132,6 +132,8 @@ where
     pub load: Drag<D>,
     /// Velocities along the freedoms from which they change.
     pub velocities: Freedoms,
+    /// Change of those velocities in the step, summed up over its time: m and rad.
+    pub change: Freedoms,
 }
 
 /// How two sides touch.
@@ -145,17 +147,26 @@ struct Contacting {
 /// Where the contact of parts is added up.
 struct Found<'a, const D: usize> {
     loads: &'a mut [Loads<D>],
-    touches: Option<&'a mut Vec<Touch<D>>>,
+    touches: &'a mut Vec<Touch<D>>,
     energy: &'a mut f64,
 }
 
-/// A point of a part that touches another one.
+/// A point where two touch.
+#[derive(Clone, Copy)]
 struct Touch<const D: usize> {
-    /// Both sides, each with the number of the flexible body.
-    sides: [(usize, Spot); 2],
+    sides: [Side<D>; 2],
     normal: Vector<D>,
     /// Rate at which the force on each side falls with its velocity, kg/s.
     rate: f64,
+}
+
+/// A side of a touch.
+#[derive(Clone, Copy)]
+enum Side<const D: usize> {
+    /// A point of the flexible body with a number.
+    Part(usize, Spot),
+    /// A rigid body by its place in the list, and the arm from its pivot, m.
+    Body(usize, Vector<D>),
 }
 
 /// A line or a surface.
@@ -247,6 +258,10 @@ where
         let loads = flexible.iter().map(|body| Loads::none(body.nodes.len())).collect();
         let most = parts.iter().map(|part| part.elements.len()).max().unwrap_or(0);
         let pushes = bodies.iter().map(|_| MountPush::default()).collect();
+        let points = |[i, j]: &[usize; 2]| parts[*i].points.len() + parts[*j].points.len();
+        let of_parts = pairs.iter().map(|(pair, _)| points(pair)).sum::<usize>();
+        let on_bodies = bodies.len() * parts.iter().map(|part| part.points.len()).sum::<usize>();
+        let touches = Vec::with_capacity(of_parts + on_bodies + body_pairs.len());
         (!pairs.is_empty() || !bodies.is_empty()).then(|| Self {
             parts,
             pairs,
@@ -256,16 +271,9 @@ where
             periods,
             loads,
             pushes,
-            touches: None,
+            touches,
             energy: 0.0,
         })
-    }
-
-    /// Remember which points touch, for [`Self::settle`].
-    pub fn remembering(mut self) -> Self {
-        let points = |[i, j]: &[usize; 2]| self.parts[*i].points.len() + self.parts[*j].points.len();
-        self.touches = Some(Vec::with_capacity(self.pairs.iter().map(|(pair, _)| points(pair)).sum()));
-        self
     }
 
     /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the rigid
@@ -278,7 +286,7 @@ where
     ) {
         self.clear();
         let Self { parts, pairs, bodies, body_pairs, cells, loads, pushes, periods, touches, energy } = self;
-        let mut found = Found { loads, touches: touches.as_mut(), energy };
+        let mut found = Found { loads: &mut *loads, touches: &mut *touches, energy };
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
                 let [of, on] = [of, on].map(|k| (&parts[k], &stations[parts[k].number]));
@@ -286,7 +294,7 @@ where
                 add_side(of, on, shift, law, dt, cells, &mut found);
             }
         }
-        for ((body, laws), push) in bodies.iter().zip(&mut *pushes) {
+        for (k, ((body, laws), push)) in bodies.iter().zip(&mut *pushes).enumerate() {
             let Some((at, pose)) = pose_of(body.number) else { continue };
             push.velocities = pose.rates();
             for (part, contacting) in parts.iter().zip(laws).filter_map(|(part, law)| Some((part, law.as_ref()?))) {
@@ -314,6 +322,7 @@ where
                     let Some((force, rate)) = meeting.answer(&slipping, dt, point.area) else { continue };
                     spot.give(force, rate, &mut loads[part.number]);
                     push.load.add(-force, Vector::repeat(rate), &arm);
+                    touches.push(Touch { sides: [Side::Part(part.number, spot), Side::Body(k, arm)], normal, rate });
                 }
             }
         }
@@ -331,32 +340,73 @@ where
                 let Some((force, rate)) = meeting.answer(&contacting, dt, 1.0) else { return };
                 pushes[pair.of].load.add(force, Vector::repeat(rate), &arms[0]);
                 pushes[pair.on].load.add(-force, Vector::repeat(rate), &arms[1]);
+                let sides = [Side::Body(pair.of, arms[0]), Side::Body(pair.on, arms[1])];
+                touches.push(Touch { sides, normal, rate });
             });
         }
     }
 
     /// Add what the sides took amiss of each other in the step of `h` seconds between these stations to the impulses that
-    /// they are owed, N s.
+    /// they are owed, N s: those of flexible bodies, and those of rigid ones about their pivots, in the order of
+    /// [`Self::pushes`].
+    ///
+    /// `taken` returns which change of the velocity of the station (m/s) of a flexible body lowered its load, and `moved`
+    /// that of a rigid body with a number, see [`MountPush::change`].
     ///
     /// Each side takes its force less the rate times the change of its own velocity. Along the normal half of the sum of
     /// both is owed to each: what one side gets, the other one gives. Along the surface each side gets back its own part,
     /// which is no force of the contact.
-    ///
-    /// # Panics
-    /// Without [`Self::remembering`].
-    pub fn settle(&self, h: f64, ends: [&[Stations<D>]; 2], owed: &mut [Loads<D>]) {
-        for Touch { sides, normal, rate } in self.touches.as_ref().expect("touches are remembered") {
-            let change = sides.map(|(number, spot)| {
-                let [before, now] = ends.map(|stations| spot.on(&stations[number].velocity));
-                (now - before) * (h * rate)
+    pub fn settle(
+        &self,
+        h: f64,
+        ends: [&[Stations<D>]; 2],
+        taken: impl Fn(usize, usize, Vector<D>) -> Vector<D>,
+        moved: impl Fn(usize) -> Freedoms,
+        (owed, of_bodies): (&mut [Loads<D>], &mut [Freedoms]),
+    ) {
+        for Touch { sides, normal, rate } in &self.touches {
+            let change = sides.map(|side| match side {
+                Side::Part(number, spot) => {
+                    let at = |k: usize| {
+                        let [before, now] = ends.map(|stations| node(&stations[number].velocity, k));
+                        taken(number, k, now - before)
+                    };
+                    let parts = spot.stations.into_iter().zip(spot.shares);
+                    parts.map(|(k, share)| at(k) * share).sum::<Vector<D>>() * (h * rate)
+                }
+                Side::Body(k, arm) => {
+                    let (way, turn) = split::<D>(&moved(self.bodies[k].0.number));
+                    (way + <[f64; D]>::swing(turn, &arm)) * *rate
+                }
             });
             let half = 0.5 * (change[0] + change[1]).dot(normal);
-            for ((number, spot), change) in sides.iter().zip(change) {
+            for (side, change) in sides.iter().zip(change) {
                 let due = change + normal * (half - change.dot(normal));
-                for (k, share) in spot.stations.into_iter().zip(spot.shares) {
-                    (0..D).for_each(|axis| owed[*number].force[axis][k] += share * due[axis]);
+                match side {
+                    Side::Part(number, spot) => {
+                        for (k, share) in spot.stations.into_iter().zip(spot.shares) {
+                            (0..D).for_each(|axis| owed[*number].force[axis][k] += share * due[axis]);
+                        }
+                    }
+                    Side::Body(k, arm) => {
+                        let impulse = join::<D>(&due, <[f64; D]>::cross(arm, &due));
+                        of_bodies[*k].iter_mut().zip(impulse).for_each(|(sum, part)| *sum += part);
+                    }
                 }
             }
+        }
+    }
+
+    /// Add impulses that the bodies are owed (N s), in the order of [`Self::settle`], to their loads of a coming step of
+    /// `dt` seconds.
+    pub fn pay(&mut self, dt: f64, owed: &[Loads<D>], of_bodies: &[Freedoms]) {
+        for (load, owed) in self.loads.iter_mut().zip(owed) {
+            let both = load.force.iter_mut().flatten().zip(owed.force.iter().flatten());
+            both.for_each(|(force, impulse)| *force += impulse / dt);
+        }
+        for (push, owed) in self.pushes.iter_mut().zip(of_bodies) {
+            let (force, moment) = split::<D>(&owed.map(|impulse| impulse / dt));
+            push.load.force = push.load.force.plus(&Force { force, moment });
         }
     }
 
@@ -366,6 +416,7 @@ where
         let Some(other) = other else { return };
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.pushes.iter_mut().zip(&other.pushes).for_each(|(own, other)| *own = *other);
+        self.touches.extend_from_slice(&other.touches);
     }
 
     /// Forget it.
@@ -374,7 +425,7 @@ where
             own.force.iter_mut().chain([&mut own.impedance]).for_each(|list| list.fill(0.0));
         }
         self.pushes.fill(MountPush::default());
-        self.touches.iter_mut().for_each(Vec::clear);
+        self.touches.clear();
         self.energy = 0.0;
     }
 
@@ -514,9 +565,8 @@ fn add_side<const D: usize>(
         spot.give(force, rate, &mut found.loads[of.number]);
         touched.give(-force, rate, &mut found.loads[on.number]);
         *found.energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
-        if let Some(touches) = &mut found.touches {
-            touches.push(Touch { sides: [(of.number, spot), (on.number, touched)], normal, rate });
-        }
+        let sides = [Side::Part(of.number, spot), Side::Part(on.number, touched)];
+        found.touches.push(Touch { sides, normal, rate });
     }
 }
 

@@ -293,8 +293,8 @@ where
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by
-    /// `displacements`, and write that; `c` are the coefficients of the backward differences.
-    pub fn commit(&mut self, displacements: &[Pose<D>], c: [f64; 3], carried: &mut [Carried<D>]) {
+    /// `displacements`, and write that; `dt` is its length, s, and `c` are the coefficients of the backward differences.
+    pub fn commit(&mut self, displacements: &[Pose<D>], dt: f64, c: [f64; 3], carried: &mut [Carried<D>]) {
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
         for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
             let (now, acceleration) = match &rigid.spring_motion {
@@ -303,6 +303,8 @@ where
             };
             *carried = Carried { now, before: carried.now, acceleration };
             rigid.pose = rigid.pose_of(&now);
+            let (rates, MountPush { velocities, change, .. }) = (rigid.pose.rates(), &mut rigid.push);
+            (0..6).for_each(|i| change[i] += dt * (rates[i] - velocities[i]));
         }
     }
 
@@ -473,7 +475,7 @@ where
 
     /// Add the push of contact to the drag.
     fn add_push(&self, drag: &mut Drag<D>) {
-        let MountPush { load, velocities } = &self.push;
+        let MountPush { load, velocities, .. } = &self.push;
         let predicted = self.pose.rates();
         let change = |row: &Freedoms| (0..6).map(|j| row[j] * (velocities[j] - predicted[j])).sum::<f64>();
         let (force, moment) = split::<D>(&load.impedance.each_ref().map(change));
