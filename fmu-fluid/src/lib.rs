@@ -18,6 +18,8 @@ struct FluidUnit {
     flow: Flow,
     /// Whether it has warned of loads that do not hold.
     has_warned: bool,
+    /// Number of fast meetings of which it has warned.
+    told: usize,
 }
 
 impl FluidUnit {
@@ -49,7 +51,7 @@ impl Model for FluidUnit {
         let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, flow, has_warned: false })
+        Ok(Self { parameters, scene, flow, has_warned: false, told: 0 })
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -88,7 +90,11 @@ impl Model for FluidUnit {
                  `force_x`, `force_y` with their `impedance` hold for one step of the fluid, `pressure_jump` for any"
             ));
         }
-        either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())
+        either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())?;
+        let fast = either!(&self.flow, flow => flow.solver().fast_meetings());
+        fast.iter().skip(self.told).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
+        self.told = fast.len();
+        Ok(())
     }
 
     fn state_bytes(&self) -> usize {

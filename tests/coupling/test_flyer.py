@@ -385,7 +385,7 @@ def test_what_meets_the_body_of_a_flyer_pushes_it_back(other, ratio, tmp_path):
             energies.append(energy)
     assert 0.0 < min(gaps) < 0.055 < gaps[-1], f"a gap of {min(gaps)} m, at the end of {gaps[-1]} m"
     assert max(energies) < 0.125 * 1.005, f"{max(energies)} J of 0.125 J"
-    assert np.abs(momentum - [0.5, 0.0, 0.0]).max() < 0.2 * 0.5, f"{momentum} N s of 0.5 N s"
+    assert np.abs(momentum - [0.5, 0.0, 0.0]).max() < 1e-3 * 0.5, f"{momentum} N s of 0.5 N s"
 
 
 @pytest.mark.parametrize(

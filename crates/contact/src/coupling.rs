@@ -4,7 +4,7 @@ use rigid::Kinematics;
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
-use crate::flexible::{FlexibleBody, FlexibleContact};
+use crate::flexible::{FastMeeting, FlexibleBody, FlexibleContact};
 use crate::law::Law;
 use crate::stations::{Loads, Stations};
 
@@ -147,6 +147,11 @@ where
     /// Return the energy of the contact between the present stations, J.
     pub fn energy(&self) -> f64 {
         self.contact.as_ref().map_or(0.0, FlexibleContact::energy)
+    }
+
+    /// Return who met faster than contact surely stops, each pair once.
+    pub fn fast(&self) -> &[FastMeeting] {
+        self.contact.as_ref().map_or(&[], FlexibleContact::fast)
     }
 
     /// Return everything that the next step depends on.

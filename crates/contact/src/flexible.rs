@@ -15,7 +15,7 @@ use rigid::{Drag, Force, Freedoms, Kinematics, Vector, join, split};
 
 use crate::bodies::{BodyLaw, Pair, Part as BodyPart, PartMotion, nearest_image};
 use crate::cells::Cells;
-use crate::law::{Before, Law};
+use crate::law::{Before, Law, largest_stiffness};
 use crate::obstacle::{Obstacle, Pose};
 use crate::stations::{Loads, Stations};
 use crate::surface::{SurfacePoint, nearest_of_triangle, points_of_surface};
@@ -107,8 +107,8 @@ where
     pairs: Vec<([usize; 2], [Contacting; 2])>,
     /// Rigid bodies, and the force of each part on them; absent of parts that they carry.
     bodies: Vec<(MountedBody<D>, Vec<Option<Contacting>>)>,
-    /// Those of them that touch and that no equations of the fluid know, each with the mass with which they slip, kg.
-    body_pairs: Vec<(Pair<D>, f64)>,
+    /// Those of them that touch and that no equations of the fluid know.
+    body_pairs: Vec<(Pair<D>, Contacting)>,
     cells: Cells<D>,
     /// Lengths after which everything repeats along the axes, m; infinite: never.
     periods: [f64; D],
@@ -120,6 +120,8 @@ where
     touches: Vec<Touch<D>>,
     /// Energy of the contact of parts at the present gaps, J.
     energy: f64,
+    /// Who met too fast so far.
+    fast: Vec<FastMeeting>,
 }
 
 /// Load of contact on a rigid body.
@@ -142,12 +144,56 @@ struct Contacting {
     law: Law,
     /// Mass with which they slip on each other, per metre, kg/m, or per area, kg/m²; of a body on a mount that of the part.
     mass: f64,
+    /// Way of the gap in a step beyond which the range does not stop them, m.
+    held: f64,
+}
+
+/// Two that may meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Party {
+    /// A flexible body by its number.
+    Flexible(usize),
+    /// A rigid body by its number.
+    Body(usize),
+}
+
+/// Two that met faster than contact surely stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FastMeeting {
+    /// Who, in ascending order.
+    pub parties: [Party; 2],
+    /// Speed at which the gap closed, m/s.
+    pub speed: f64,
+    /// Speed that the range stops, m/s.
+    pub limit: f64,
+}
+
+impl Contacting {
+    /// Return how two touch by a law, of which `largest` is the stiffness with which a contact lasts ten steps.
+    ///
+    /// That is π² m/(10 Δt)² of the masses m that meet. The penalty k has stored k h²/6 when it ends its range h, so it
+    /// stops v = h (k/(3 m))^(1/2).
+    fn new(law: Law, mass: f64, largest: f64) -> Self {
+        let held = law.range * (law.stiffness / (3.0 * largest)).sqrt() * largest_stiffness(1.0, 1.0).sqrt();
+        Self { law, mass, held }
+    }
+
+    /// Note two that meet too fast in a step of `dt` seconds, each pair once.
+    fn note(&self, speed: f64, dt: f64, mut parties: [Party; 2], fast: &mut Vec<FastMeeting>) {
+        if dt * speed > self.held {
+            parties.sort();
+            if fast.iter().all(|known| known.parties != parties) {
+                fast.push(FastMeeting { parties, speed, limit: self.held / dt });
+            }
+        }
+    }
 }
 
 /// Where the contact of parts is added up.
 struct Found<'a, const D: usize> {
     loads: &'a mut [Loads<D>],
     touches: &'a mut Vec<Touch<D>>,
+    fast: &'a mut Vec<FastMeeting>,
     energy: &'a mut f64,
 }
 
@@ -193,7 +239,8 @@ where
     [f64; D]: Kinematics<D>,
 {
     /// Return the contact of the flexible bodies that have a skin with each other and with rigid bodies, and of the bodies
-    /// that other units move with those on a mount; none where no two may touch. The stiffness of `own` is per metre or square metre, and acts at most as that of the skins.
+    /// that other units move with those on a mount; none where no two may touch. The stiffness of `own` is per metre or
+    /// square metre, and acts at most as that of the skins.
     pub fn new(
         flexible: &[FlexibleBody<D>],
         mounted: Vec<MountedBody<D>>,
@@ -227,7 +274,7 @@ where
                     let [m, n] = [own_skin.mass, its.mass * width];
                     let radii = parts[a].thinnest() + parts[b].thinnest();
                     let law = law(k * l / (k + l), radii, own.range - range(one) - range(other));
-                    Contacting { law, mass: m * n / (m + n) }
+                    Contacting::new(law, m * n / (m + n), k * l / (k + l))
                 };
                 pairs.push(([i, j], [of([i, j]), of([j, i])]));
             }
@@ -236,7 +283,7 @@ where
             let of = |((k, skin), part): (&(usize, &Skin), &Part)| {
                 let radii = 2.0 * part.thinnest().min(body.solid.half_thickness());
                 let law = law(skin.largest_stiffness, radii, own.range - range(*k));
-                (!body.carries.contains(k)).then_some(Contacting { law, mass: skin.mass })
+                (!body.carries.contains(k)).then(|| Contacting::new(law, skin.mass, skin.largest_stiffness))
             };
             let contacting = skins.iter().zip(&parts).map(of).collect();
             (body, contacting)
@@ -250,7 +297,10 @@ where
                     continue;
                 };
                 let mass = 1.0 / (1.0 / one.least_mass() + 1.0 / two.least_mass());
-                body_pairs.extend(Pair::all([i, j], [one, two], &law).into_iter().map(|pair| (pair, mass)));
+                for pair in Pair::all([i, j], [one, two], &law) {
+                    let contacting = Contacting::new(pair.law, mass, largest_stiffness(mass, law.dt));
+                    body_pairs.push((pair, contacting));
+                }
             }
         }
         let some = !parts.is_empty() || !body_pairs.is_empty();
@@ -273,6 +323,7 @@ where
             pushes,
             touches,
             energy: 0.0,
+            fast: Vec::new(),
         })
     }
 
@@ -285,8 +336,8 @@ where
         dt: f64,
     ) {
         self.clear();
-        let Self { parts, pairs, bodies, body_pairs, cells, loads, pushes, periods, touches, energy } = self;
-        let mut found = Found { loads: &mut *loads, touches: &mut *touches, energy };
+        let Self { parts, pairs, bodies, body_pairs, cells, loads, pushes, periods, touches, energy, fast } = self;
+        let mut found = Found { loads: &mut *loads, touches: &mut *touches, fast: &mut *fast, energy };
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
                 let [of, on] = [of, on].map(|k| (&parts[k], &stations[parts[k].number]));
@@ -323,25 +374,28 @@ where
                     spot.give(force, rate, &mut loads[part.number]);
                     push.load.add(-force, Vector::repeat(rate), &arm);
                     touches.push(Touch { sides: [Side::Part(part.number, spot), Side::Body(k, arm)], normal, rate });
+                    let parties = [Party::Flexible(part.number), Party::Body(body.number)];
+                    contacting.note(-meeting.velocity.dot(&normal), dt, parties, fast);
                 }
             }
         }
-        for (pair, mass) in body_pairs {
+        for (pair, contacting) in body_pairs {
             let [of, on] = [pair.of, pair.on].map(|k| pose_of(bodies[k].0.number));
             let Some(((place, of), (mut image, on))) = of.zip(on) else { continue };
             let shift = nearest_image(place.origin - image.origin, periods);
             image.origin += shift;
-            let contacting = Contacting { law: pair.law, mass: *mass };
             pair.meet(&bodies[pair.on].0.solid, [&place, &image], |point, gap, normal| {
                 let arms = [point - of.position, point - shift - on.position];
                 let [one, other] = [(&of, arms[0]), (&on, arms[1])]
                     .map(|(pose, arm)| pose.velocity + <[f64; D]>::swing(pose.omega, &arm));
                 let meeting = Meeting { normal, gap, velocity: one - other };
-                let Some((force, rate)) = meeting.answer(&contacting, dt, 1.0) else { return };
+                let Some((force, rate)) = meeting.answer(contacting, dt, 1.0) else { return };
                 pushes[pair.of].load.add(force, Vector::repeat(rate), &arms[0]);
                 pushes[pair.on].load.add(-force, Vector::repeat(rate), &arms[1]);
                 let sides = [Side::Body(pair.of, arms[0]), Side::Body(pair.on, arms[1])];
                 touches.push(Touch { sides, normal, rate });
+                let parties = [pair.of, pair.on].map(|k| Party::Body(bodies[k].0.number));
+                contacting.note(-meeting.velocity.dot(&normal), dt, parties, fast);
             });
         }
     }
@@ -353,9 +407,10 @@ where
     /// `taken` returns which change of the velocity of the station (m/s) of a flexible body lowered its load, and `moved`
     /// that of a rigid body with a number, see [`MountPush::change`].
     ///
-    /// Each side takes its force less the rate times the change of its own velocity. Along the normal half of the sum of
-    /// both is owed to each: what one side gets, the other one gives. Along the surface each side gets back its own part,
-    /// which is no force of the contact.
+    /// Each side takes its force less the rate times the change of its own velocity. Along the normal the sum of both is
+    /// owed to them in proportion to their masses, of which the change of the other one tells: what one side gets, the
+    /// other one gives, and the pair moves as a whole, without energy of its own. Along the surface each side gets back its
+    /// own part, which is no force of the contact.
     pub fn settle(
         &self,
         h: f64,
@@ -379,9 +434,11 @@ where
                     (way + <[f64; D]>::swing(turn, &arm)) * *rate
                 }
             });
-            let half = 0.5 * (change[0] + change[1]).dot(normal);
-            for (side, change) in sides.iter().zip(change) {
-                let due = change + normal * (half - change.dot(normal));
+            let [one, other] = change.map(|own| own.dot(normal));
+            let both = one.abs() + other.abs();
+            let share = if both > 0.0 { other.abs() / both } else { 0.5 };
+            for ((side, change), share) in sides.iter().zip(change).zip([share, 1.0 - share]) {
+                let due = change + normal * (share * (one + other) - change.dot(normal));
                 match side {
                     Side::Part(number, spot) => {
                         for (k, share) in spot.stations.into_iter().zip(spot.shares) {
@@ -456,6 +513,11 @@ where
         self.energy
     }
 
+    /// Return who met faster than contact surely stops, each pair once.
+    pub fn fast(&self) -> &[FastMeeting] {
+        &self.fast
+    }
+
     /// Return its loads on each flexible body.
     pub fn loads(&self) -> &[Loads<D>] {
         &self.loads
@@ -474,7 +536,7 @@ struct Meeting<const D: usize> {
 
 impl<const D: usize> Meeting<D> {
     /// Return force and rate on a `size` (m, m²) of the side of the point in a step of `dt` seconds; none out of reach.
-    fn answer(&self, Contacting { law, mass }: &Contacting, dt: f64, size: f64) -> Option<(Vector<D>, f64)> {
+    fn answer(&self, Contacting { law, mass, .. }: &Contacting, dt: f64, size: f64) -> Option<(Vector<D>, f64)> {
         let Self { normal, gap, velocity } = self;
         let closing = velocity.dot(normal);
         let (force, rate) = answer(law, [*gap, closing], dt, size)?;
@@ -567,6 +629,8 @@ fn add_side<const D: usize>(
         *found.energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
         let sides = [Side::Part(of.number, spot), Side::Part(on.number, touched)];
         found.touches.push(Touch { sides, normal, rate });
+        let parties = [of.number, on.number].map(Party::Flexible);
+        contacting.note(-meeting.velocity.dot(&normal), dt, parties, found.fast);
     }
 }
 

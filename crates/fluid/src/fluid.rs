@@ -54,7 +54,7 @@ where
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
     /// Contact of flexible bodies and the body that another unit moves with all that moves; absent without.
-    flexible_contact: Option<FlexibleContact<D>>,
+    pub(crate) flexible_contact: Option<FlexibleContact<D>>,
     limits: StepLimits,
     bytes_per_number: usize,
     /// Number of cells, of all grids.
