@@ -18,6 +18,8 @@ struct ContactUnit {
     coupling: Coupling,
     /// Sum of the rods' stations and the wings' nodes.
     stations: usize,
+    /// Number of fast meetings of which it has warned.
+    told: usize,
 }
 
 /// Contact in the plane or in space.
@@ -69,7 +71,7 @@ impl Model for ContactUnit {
         let nodes = scene.wings().map(|own| own.wing.mesh.build().nodes.len());
         let stations = scene.beams().map(|beam| beam.segments + 1).chain(nodes).sum();
         require_memory(BYTES_PER_STATION * stations)?;
-        Ok(Self { coupling: of_scene(&scene)?, scene, stations })
+        Ok(Self { coupling: of_scene(&scene)?, scene, stations, told: 0 })
     }
 
     fn description(&self) -> Description {
@@ -90,9 +92,13 @@ impl Model for ContactUnit {
         Ok(())
     }
 
-    fn step(&mut self, t: f64, h: f64, _: &Log) -> Result<(), String> {
+    fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = |e| format!("{e}, in the step from t = {t} s to {} s", t + h);
-        either!(&mut self.coupling, own => own.advance(h)).map_err(span)
+        either!(&mut self.coupling, own => own.advance(h)).map_err(span)?;
+        let fast = either!(&self.coupling, own => own.fast());
+        fast.iter().skip(self.told).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
+        self.told = fast.len();
+        Ok(())
     }
 
     fn state_bytes(&self) -> usize {

@@ -18,6 +18,8 @@ struct FluidUnit {
     flow: Flow,
     /// Whether it has warned of loads that do not hold.
     has_warned: bool,
+    /// Number of fast meetings of which it has warned.
+    told: usize,
 }
 
 impl FluidUnit {
@@ -41,7 +43,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
-    const STATE_LAYOUT: u32 = 9;
+    const STATE_LAYOUT: u32 = 10;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
@@ -49,7 +51,7 @@ impl Model for FluidUnit {
         let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, flow, has_warned: false })
+        Ok(Self { parameters, scene, flow, has_warned: false, told: 0 })
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -88,7 +90,11 @@ impl Model for FluidUnit {
                  `force_x`, `force_y` with their `impedance` hold for one step of the fluid, `pressure_jump` for any"
             ));
         }
-        either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())
+        either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())?;
+        let fast = either!(&self.flow, flow => flow.solver().fast_meetings());
+        fast.iter().skip(self.told).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
+        self.told = fast.len();
+        Ok(())
     }
 
     fn state_bytes(&self) -> usize {

@@ -111,8 +111,51 @@ def test_edges_of_two_wings_that_cross_between_their_points_stay_apart(pull, end
         for _ in range(session.grid.steps):
             session.step()
             apart.append(session.units["upper"].read("z").min() - session.units["lower"].read("z").max())
+        warned = [text for text in session.warnings if "sure to stop" in text]
+    # The 3 cm of range between both skins stop 5.4 m/s.
+    assert len(warned) == int(pull > 50.0), warned
+    assert all(text.startswith("the wing upper and the wing lower meet with 5.") for text in warned), warned
     assert 0.0 < min(apart) < 0.03, f"they come to {min(apart)} m"
     assert apart[-1] > min(apart) + 0.005, "they do not part"
+
+
+def meeting(kinds: tuple[str, str], ratio: float) -> dict:
+    """Two units that meet in a fluid too light to matter, the second one so many times as heavy and stiff."""
+    scene = mixed.random_scene(3, 3, kinds, "meet")
+    scene["fluid"]["density"], scene["time"]["end"] = 1e-7, 0.2
+    second = {"wing": scene["wing"]} if "wing" in scene else scene[kinds[1]][1]
+    own = second["wing"]["membrane"] if "wing" in second else second["rod"]["material"]["section"]
+    own |= {name: ratio * value for name, value in own.items() if name.endswith(("density", "stiffness"))}
+    return scene
+
+
+@pytest.mark.parametrize("kinds", [("rods", "rods"), ("rods", "wings"), ("wings", "wings")])
+@pytest.mark.parametrize("ratio", [0.03, 1.0, 100.0])
+def test_units_of_any_masses_exchange_equal_impulses_in_a_fluid(kinds, ratio, tmp_path):
+    """Each load falls with its own velocity: unpaid, a light one takes some per cent less than a heavy one gives."""
+    impulses = np.zeros((2, 3))
+    with Session(validate(meeting(kinds, ratio)), tmp_path) as session:
+        session.start()
+        names = ("rod", "wing") if "wings" in kinds and "rods" in kinds else ("part_0", "part_1")
+        loads = [session.units[name].scalars_reader([f"load.{axis}" for axis in "xyz"]) for name in names]
+        for _ in range(session.grid.steps):
+            session.step()
+            impulses += [session.grid.communication_step * own().ravel() for own in loads]
+    given = np.abs(impulses).max()
+    assert given > 2e-3, "they do not touch"
+    # What the last step took amiss is still to be paid.
+    assert np.abs(impulses.sum(axis=0)).max() < 1e-3 * given, f"{impulses} N s"
+
+
+def test_a_run_of_units_in_contact_in_a_fluid_resumes_to_the_bit(tmp_path):
+    scene = validate(meeting(("rods", "wings"), 0.1))
+    whole = nervure.run(scene, tmp_path / "whole", quiet=True)
+    touched = np.abs(whole.series["rod_load_z"]) > 1e-2
+    middle = float(whole.series["time"][touched.nonzero()[0][touched.sum() // 2]])
+    first = nervure.run(scene.copy({"time.end": middle}), tmp_path / "parts", quiet=True, checkpoint_every=100.0)
+    resumed = nervure.resume(first.folder, end_time=scene.time.end, quiet=True)
+    for name, values in whole.series.items():
+        np.testing.assert_array_equal(resumed.series[name], values, err_msg=name)
 
 
 @pytest.mark.parametrize("seed", [5, 14])

@@ -315,15 +315,77 @@ LIGHT_SPHERE_ON_TWO_GRIDS = (LIGHT_SPHERE[0], LIGHT_SPHERE[1] | {"gravity": [1.0
 CEILING = {"shape": {"cuboid": {"lengths": [1.0, 1.0, 0.2]}}, "position": [0.0, 0.0, 0.415], "pivot": [0.0] * 3}
 
 
-@pytest.mark.parametrize(("support", "contact", "count"), [("mount", True, 1), ("mount", False, 0), ("still", True, 0)])
-def test_a_flyer_is_said_not_to_feel_the_contact_of_a_free_body(support, contact, count):
+@pytest.mark.parametrize(("support", "solid", "count"), [("mount", True, 1), ("mount", False, 0), ("still", True, 0)])
+def test_a_solid_of_a_flyer_that_no_fluid_knows_is_said_to_pass_through_a_free_body(support, solid, count):
     ball = {"shape": {"sphere": {"radius": 0.3}}, "pivot": [0.0] * 3}
     other = ball | {"position": [0.8, 0.0, 0.0]} | ({"mount": {"mass": 0.5, "x": {}}} if support == "mount" else {})
-    scene = {"name": "met", "time": {"end": 1.0, "communication_step": 0.01}} | ({"contact": {}} if contact else {})
+    scene = {"name": "met", "time": {"end": 1.0, "communication_step": 0.01}, "contact": {}}
     scene["fluid"] = box() | {"bodies": [ball | {"position": [0.0] * 3, "motion": "master"}, other]}
-    scene["flyer"] = {"mass": 1.0, "inertia": 0.1, "shape": 0, "hinges": []}
-    found = [text for text in Facts(nervure.Scene.model_validate(scene)).warnings if "push the flyer back" in text]
+    scene["flyer"] = {"mass": 1.0, "inertia": 0.1, "hinges": []}
+    scene["flyer"] |= {"solid": ball | {"position": [0.0] * 3}} if solid else {"shape": 0}
+    found = [text for text in Facts(nervure.Scene.model_validate(scene)).warnings if "passes through" in text]
     assert len(found) == count, found
+
+
+def meeting(other: str, ratio: float) -> dict:
+    """A ball of a flyer that moves towards another body or a rod of so many times its mass, in a thin fluid."""
+    ball, h = {"shape": {"sphere": {"radius": 0.15}}, "pivot": [0.0] * 3}, 2e-3
+    scene: dict[str, Any] = {"name": "met", "time": {"end": 200 * h, "communication_step": h}}
+    scene["contact"] = {"range": 0.06, "friction": 0.5}
+    scene["flyer"] = {"mass": 1.0, "inertia": 9e-3, "shape": 0, "velocity": [0.5, 0.0, 0.0], "hinges": []}
+    scene["fluid"] = {
+        "density": 1e-4,
+        "kinematic_viscosity": 1e-2,
+        "box": {axis: [-0.9, 0.9] for axis in "xyz"} | {"cells": [16] * 3},
+        "bodies": [ball | {"position": [0.0] * 3, "motion": "master"}],
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+        "time_stepping": {"max_step": h, "max_cfl": 0.4},
+    }
+    if other == "body":
+        mount: dict[str, Any] = {"mass": ratio, "inertia": 9e-3 * ratio} | {name: {} for name in WAY}
+        scene["fluid"]["bodies"].append(ball | {"position": [0.45, 0.03, 0.0], "mount": mount})
+        return scene
+    section = {"line_density": 2.5 * ratio, "bending_stiffness": 1.0, "axial_stiffness": 2e4}
+    root = {"at": {"position": [0.35, -0.17, 0.0], "direction": [0.0, 1.0, 0.0]}}
+    scene["beam"] = {"root": root, "length": 0.4, "thickness": 0.06, "segments": 10, "surface": "line"}
+    scene["rod"] = {"material": {"section": section}, "root": {"free": {}}, "scheme": "bdf2"}
+    scene["coupling"] = {"guards": {"largest_imbalance": None}}
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("other", "ratio"), [("body", 0.1), ("body", 1.0), ("body", 100.0), ("rod", 0.3), ("rod", 30.0)]
+)
+def test_what_meets_the_body_of_a_flyer_pushes_it_back(other, ratio, tmp_path):
+    """A flyer that felt nothing would keep its speed, and give a body of its own mass five times its energy."""
+    names = [*WAY[:3], *(f"v{axis}" for axis in "xyz"), *(f"omega_{axis}" for axis in "xyz")]
+    energies, gaps = [], []
+    with Session(nervure.Scene.model_validate(meeting(other, ratio)), tmp_path) as session:
+        session.start()
+        units = session.units
+        of_flyer = units["body"].scalars_reader(names)
+        if other == "body":
+            of_other = units["fluid"].scalars_reader([f"body[2].{name}" for name in names])
+        else:
+            of_other = units["rod"].scalars_reader(["energy.elastic", "energy.kinetic"])
+        for _ in range(session.grid.steps):
+            session.step()
+            place, velocity, omega = of_flyer().reshape(3, 3)
+            energy = 0.5 * velocity @ velocity + 4.5e-3 * omega @ omega
+            if other == "body":
+                its, v, turn = of_other().reshape(3, 3)
+                gaps.append(np.linalg.norm(its - place) - 0.3)
+                energy += ratio * (0.5 * v @ v + 4.5e-3 * turn @ turn)
+                momentum = velocity + ratio * v
+            else:
+                line, rates = (np.array([units["rod"].read(f"{v}{axis}") for axis in "xyz"]).T for v in ("", "v"))
+                gaps.append(np.linalg.norm(line - place, axis=1).min() - 0.18)
+                energy += of_other().sum()
+                momentum = velocity + ratio * (rates[1:] + rates[:-1]).mean(axis=0) / 2.0
+            energies.append(energy)
+    assert 0.0 < min(gaps) < 0.055 < gaps[-1], f"a gap of {min(gaps)} m, at the end of {gaps[-1]} m"
+    assert max(energies) < 0.125 * 1.0005, f"{max(energies)} J of 0.125 J"
+    assert np.abs(momentum - [0.5, 0.0, 0.0]).max() < 1e-3 * 0.5, f"{momentum} N s of 0.5 N s"
 
 
 @pytest.mark.parametrize(

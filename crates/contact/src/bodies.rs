@@ -118,13 +118,13 @@ struct Equations {
 }
 
 /// Points of the part `of` that touch the solid of the part `on`.
-struct Pair<const D: usize> {
-    of: usize,
-    on: usize,
+pub struct Pair<const D: usize> {
+    pub of: usize,
+    pub on: usize,
     points: Points<D>,
     /// Radius of the points, m.
     radius: f64,
-    law: Law,
+    pub law: Law,
 }
 
 /// Points of a part in its axes, m.
@@ -205,6 +205,12 @@ where
         self
     }
 
+    /// Leave out the pairs of parts, by their numbers, of which something else keeps account.
+    pub fn without(mut self, is_elsewhere: impl Fn([usize; 2]) -> bool) -> Self {
+        self.parties.pairs.retain(|pair| !is_elsewhere([pair.of, pair.on]));
+        self
+    }
+
     /// Return the parts.
     pub fn parts(&self) -> &[Part<D>] {
         &self.parties.parts
@@ -275,7 +281,7 @@ where
     }
 
     /// Return the least mass with which a point answers, kg; infinite if it does not move.
-    fn least_mass(&self) -> f64 {
+    pub fn least_mass(&self) -> f64 {
         let Some([mass, inertia]) = self.inertia else { return f64::INFINITY };
         let arms = self.solid.points().into_iter().map(|point| (point - self.pivot).norm_squared());
         1.0 / (1.0 / mass + arms.fold(0.0, f64::max) / inertia)
@@ -512,8 +518,22 @@ impl<const D: usize> Pair<D>
 where
     [f64; D]: Kinematics<D>,
 {
+    /// Pass the points that may touch at these poses of `of` and `on` to `emit`: each with its gap (m) and the normal
+    /// towards it.
+    pub fn meet(
+        &self,
+        solid: &Obstacle<D>,
+        poses: [&Pose<D>; 2],
+        mut emit: impl FnMut(SVector<f64, D>, f64, SVector<f64, D>),
+    ) {
+        self.points.for_each([poses; 2], |[point, _]| {
+            let nearest = solid.nearest_at(poses[1], point);
+            emit(point - nearest.normal * self.radius, nearest.distance - self.radius, nearest.normal);
+        });
+    }
+
     /// Return how two parts touch.
-    fn all(numbers: [usize; 2], parts: [&Part<D>; 2], law: &BodyLaw) -> Vec<Self> {
+    pub fn all(numbers: [usize; 2], parts: [&Part<D>; 2], law: &BodyLaw) -> Vec<Self> {
         let [one, two] = parts.map(|part| &part.solid);
         let masses = parts.map(Part::least_mass);
         let mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1]);

@@ -4,7 +4,7 @@ use rigid::Kinematics;
 use serde::{Deserialize, Serialize};
 use serde_big_array::BigArray;
 
-use crate::flexible::{FlexibleBody, FlexibleContact};
+use crate::flexible::{FastMeeting, FlexibleBody, FlexibleContact};
 use crate::law::Law;
 use crate::stations::{Loads, Stations};
 
@@ -71,7 +71,7 @@ where
         let target: Vec<_> = bodies.iter().map(|body| Stations::at_rest(body.nodes)).collect();
         let none: Vec<_> = bodies.iter().map(|body| Loads::none(body.nodes.len())).collect();
         let exchange = vec![ContactExchange { force: [0.0; D], power: 0.0, work: 0.0 }; bodies.len()];
-        let contact = FlexibleContact::new(bodies, vec![], law, [f64::INFINITY; D]).map(FlexibleContact::remembering);
+        let contact = FlexibleContact::new(bodies, vec![], law, [f64::INFINITY; D]);
         let present = CouplingState { step: dt, stations: target.clone(), owed: none.clone(), exchange };
         let mut made = Self { contact, target, present, loads: none };
         made.announce();
@@ -105,7 +105,7 @@ where
         let unpaid = 1.0 - h / *step;
         owed.iter_mut().flat_map(|own| &mut own.force).flatten().for_each(|impulse| *impulse *= unpaid);
         if let Some(contact) = contact {
-            contact.settle(h, [stations, target], owed);
+            contact.settle(h, [stations, target], |_, _, change| change, |_| [0.0; 6], (owed, &mut []));
         }
         *step = h;
         Stations::copy_all(stations, target);
@@ -120,12 +120,8 @@ where
             return;
         };
         contact.find(stations, |_| None, *step);
-        for (loads, owed) in loads.iter_mut().zip(owed) {
-            let lists = loads.force.iter_mut().zip(&owed.force);
-            lists.for_each(|(to, owed)| to.iter_mut().zip(owed).for_each(|(to, owed)| *to = owed / *step));
-            loads.impedance.fill(0.0);
-        }
-        contact.add(loads);
+        contact.pay(*step, owed, &[]);
+        loads.iter_mut().zip(contact.loads()).for_each(|(own, found)| own.copy_from(found));
     }
 
     fn check(&self, stations: &[Stations<D>]) -> Result<(), CouplingError> {
@@ -151,6 +147,11 @@ where
     /// Return the energy of the contact between the present stations, J.
     pub fn energy(&self) -> f64 {
         self.contact.as_ref().map_or(0.0, FlexibleContact::energy)
+    }
+
+    /// Return who met faster than contact surely stops, each pair once.
+    pub fn fast(&self) -> &[FastMeeting] {
+        self.contact.as_ref().map_or(&[], FlexibleContact::fast)
     }
 
     /// Return everything that the next step depends on.

@@ -11,11 +11,11 @@
 //! side turns the slip around, so friction only takes energy, whatever else slows them. What sticks creeps with the
 //! velocity that its load gives it in some steps.
 
-use rigid::{Drag, Freedoms, Kinematics, Vector};
+use rigid::{Drag, Force, Freedoms, Kinematics, Vector, join, split};
 
-use crate::bodies::nearest_image;
+use crate::bodies::{BodyLaw, Pair, Part as BodyPart, PartMotion, nearest_image};
 use crate::cells::Cells;
-use crate::law::{Before, Law};
+use crate::law::{Before, Law, largest_stiffness};
 use crate::obstacle::{Obstacle, Pose};
 use crate::stations::{Loads, Stations};
 use crate::surface::{SurfacePoint, nearest_of_triangle, points_of_surface};
@@ -61,7 +61,7 @@ pub struct FlexibleBody<'a, const D: usize> {
     pub skin: Option<&'a Skin>,
 }
 
-/// A rigid body on a mount.
+/// A rigid body on a mount, or one that another unit moves.
 #[derive(Clone, Debug)]
 pub struct MountedBody<const D: usize> {
     /// Its number.
@@ -70,6 +70,31 @@ pub struct MountedBody<const D: usize> {
     pub solid: Obstacle<D>,
     /// Mass, kg, and least moment of inertia, kg m², in the plane per metre of depth.
     pub inertia: [f64; 2],
+    /// Mass of the fluid that it displaces, kg.
+    pub displaced: f64,
+    /// Its pivot in the axes of the shape, m.
+    pub pivot: Vector<D>,
+    /// How one that another unit moves touches the others; absent of one on a mount.
+    pub law: Option<BodyLaw>,
+    /// Numbers of the flexible bodies that it carries and does not touch.
+    pub carries: Vec<usize>,
+}
+
+impl<const D: usize> MountedBody<D>
+where
+    [f64; D]: Kinematics<D>,
+{
+    /// Return a body on a mount at the middle of its shape that displaces nothing.
+    pub fn new(number: usize, solid: Obstacle<D>, inertia: [f64; 2]) -> Self {
+        Self { number, solid, inertia, displaced: 0.0, pivot: Vector::zeros(), law: None, carries: vec![] }
+    }
+
+    fn part(&self) -> BodyPart<D> {
+        let [mass, moment] = self.inertia;
+        // A light body is as slow as the fluid that it displaces.
+        let inertia = Some([mass.max(self.displaced), moment]);
+        BodyPart { solid: self.solid.clone(), inertia, pivot: self.pivot, motion: PartMotion::still(self.solid.pose) }
+    }
 }
 
 /// Contact of flexible bodies.
@@ -80,22 +105,26 @@ where
     parts: Vec<Part>,
     /// Numbers of two parts, with the force per metre or square metre of each.
     pairs: Vec<([usize; 2], [Contacting; 2])>,
-    /// Bodies on a mount, and the force of each part on them.
-    bodies: Vec<(MountedBody<D>, Vec<Contacting>)>,
+    /// Rigid bodies, and the force of each part on them; absent of parts that they carry.
+    bodies: Vec<(MountedBody<D>, Vec<Option<Contacting>>)>,
+    /// Those of them that touch and that no equations of the fluid know.
+    body_pairs: Vec<(Pair<D>, Contacting)>,
     cells: Cells<D>,
     /// Lengths after which everything repeats along the axes, m; infinite: never.
     periods: [f64; D],
     /// Its part of the announced loads of each flexible body.
     loads: Vec<Loads<D>>,
-    /// Its part of the loads on those bodies on a mount.
+    /// Its part of the loads on those bodies.
     pushes: Vec<MountPush<D>>,
-    /// Points of parts that touch; absent where nobody settles what their sides took.
-    touches: Option<Vec<Touch<D>>>,
+    /// Points that touch.
+    touches: Vec<Touch<D>>,
     /// Energy of the contact of parts at the present gaps, J.
     energy: f64,
+    /// Who met too fast so far.
+    fast: Vec<FastMeeting>,
 }
 
-/// Load of contact on a body on a mount.
+/// Load of contact on a rigid body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MountPush<const D: usize>
 where
@@ -105,6 +134,8 @@ where
     pub load: Drag<D>,
     /// Velocities along the freedoms from which they change.
     pub velocities: Freedoms,
+    /// Change of those velocities in the step, summed up over its time: m and rad.
+    pub change: Freedoms,
 }
 
 /// How two sides touch.
@@ -113,22 +144,75 @@ struct Contacting {
     law: Law,
     /// Mass with which they slip on each other, per metre, kg/m, or per area, kg/m²; of a body on a mount that of the part.
     mass: f64,
+    /// Way of the gap in a step beyond which the range does not stop them, m.
+    held: f64,
+}
+
+/// Two that may meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Party {
+    /// A flexible body by its number.
+    Flexible(usize),
+    /// A rigid body by its number.
+    Body(usize),
+}
+
+/// Two that met faster than contact surely stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FastMeeting {
+    /// Who, in ascending order.
+    pub parties: [Party; 2],
+    /// Speed at which the gap closed, m/s.
+    pub speed: f64,
+    /// Speed that the range stops, m/s.
+    pub limit: f64,
+}
+
+impl Contacting {
+    /// Return how two touch by a law, of which `largest` is the stiffness with which a contact lasts ten steps.
+    ///
+    /// That is π² m/(10 Δt)² of the masses m that meet. The penalty k has stored k h²/6 when it ends its range h, so it
+    /// stops v = h (k/(3 m))^(1/2).
+    fn new(law: Law, mass: f64, largest: f64) -> Self {
+        let held = law.range * (law.stiffness / (3.0 * largest)).sqrt() * largest_stiffness(1.0, 1.0).sqrt();
+        Self { law, mass, held }
+    }
+
+    /// Note two that meet too fast in a step of `dt` seconds, each pair once.
+    fn note(&self, speed: f64, dt: f64, mut parties: [Party; 2], fast: &mut Vec<FastMeeting>) {
+        if dt * speed > self.held {
+            parties.sort();
+            if fast.iter().all(|known| known.parties != parties) {
+                fast.push(FastMeeting { parties, speed, limit: self.held / dt });
+            }
+        }
+    }
 }
 
 /// Where the contact of parts is added up.
 struct Found<'a, const D: usize> {
     loads: &'a mut [Loads<D>],
-    touches: Option<&'a mut Vec<Touch<D>>>,
+    touches: &'a mut Vec<Touch<D>>,
+    fast: &'a mut Vec<FastMeeting>,
     energy: &'a mut f64,
 }
 
-/// A point of a part that touches another one.
+/// A point where two touch.
+#[derive(Clone, Copy)]
 struct Touch<const D: usize> {
-    /// Both sides, each with the number of the flexible body.
-    sides: [(usize, Spot); 2],
+    sides: [Side<D>; 2],
     normal: Vector<D>,
     /// Rate at which the force on each side falls with its velocity, kg/s.
     rate: f64,
+}
+
+/// A side of a touch.
+#[derive(Clone, Copy)]
+enum Side<const D: usize> {
+    /// A point of the flexible body with a number.
+    Part(usize, Spot),
+    /// A rigid body by its place in the list, and the arm from its pivot, m.
+    Body(usize, Vector<D>),
 }
 
 /// A line or a surface.
@@ -154,8 +238,9 @@ impl<const D: usize> FlexibleContact<D>
 where
     [f64; D]: Kinematics<D>,
 {
-    /// Return the contact of the flexible bodies that have a skin with each other and with bodies on a mount; none where no
-    /// two may touch. The stiffness of `own` is per metre or square metre, and acts at most as that of the skins.
+    /// Return the contact of the flexible bodies that have a skin with each other and with rigid bodies, and of the bodies
+    /// that other units move with those on a mount; none where no two may touch. The stiffness of `own` is per metre or
+    /// square metre, and acts at most as that of the skins.
     pub fn new(
         flexible: &[FlexibleBody<D>],
         mounted: Vec<MountedBody<D>>,
@@ -189,7 +274,7 @@ where
                     let [m, n] = [own_skin.mass, its.mass * width];
                     let radii = parts[a].thinnest() + parts[b].thinnest();
                     let law = law(k * l / (k + l), radii, own.range - range(one) - range(other));
-                    Contacting { law, mass: m * n / (m + n) }
+                    Contacting::new(law, m * n / (m + n), k * l / (k + l))
                 };
                 pairs.push(([i, j], [of([i, j]), of([j, i])]));
             }
@@ -197,37 +282,53 @@ where
         let with_parts = |body: MountedBody<D>| {
             let of = |((k, skin), part): (&(usize, &Skin), &Part)| {
                 let radii = 2.0 * part.thinnest().min(body.solid.half_thickness());
-                Contacting { law: law(skin.largest_stiffness, radii, own.range - range(*k)), mass: skin.mass }
+                let law = law(skin.largest_stiffness, radii, own.range - range(*k));
+                (!body.carries.contains(k)).then(|| Contacting::new(law, skin.mass, skin.largest_stiffness))
             };
             let contacting = skins.iter().zip(&parts).map(of).collect();
             (body, contacting)
         };
-        let bodies: Vec<_> = mounted.into_iter().map(with_parts).filter(|_| !parts.is_empty()).collect();
+        let solids: Vec<_> = mounted.iter().map(MountedBody::part).collect();
+        let mut body_pairs = Vec::new();
+        for j in 0..solids.len() {
+            for i in 0..j {
+                let (one, two) = (&solids[i], &solids[j]);
+                let Some(law) = mounted[i].law.or(mounted[j].law).filter(|_| one.solid.can_touch(&two.solid)) else {
+                    continue;
+                };
+                let mass = 1.0 / (1.0 / one.least_mass() + 1.0 / two.least_mass());
+                for pair in Pair::all([i, j], [one, two], &law) {
+                    let contacting = Contacting::new(pair.law, mass, largest_stiffness(mass, law.dt));
+                    body_pairs.push((pair, contacting));
+                }
+            }
+        }
+        let some = !parts.is_empty() || !body_pairs.is_empty();
+        let bodies: Vec<_> = mounted.into_iter().map(with_parts).filter(|_| some).collect();
         let loads = flexible.iter().map(|body| Loads::none(body.nodes.len())).collect();
         let most = parts.iter().map(|part| part.elements.len()).max().unwrap_or(0);
         let pushes = bodies.iter().map(|_| MountPush::default()).collect();
+        let points = |[i, j]: &[usize; 2]| parts[*i].points.len() + parts[*j].points.len();
+        let of_parts = pairs.iter().map(|(pair, _)| points(pair)).sum::<usize>();
+        let on_bodies = bodies.len() * parts.iter().map(|part| part.points.len()).sum::<usize>();
+        let touches = Vec::with_capacity(of_parts + on_bodies + body_pairs.len());
         (!pairs.is_empty() || !bodies.is_empty()).then(|| Self {
             parts,
             pairs,
             bodies,
+            body_pairs,
             cells: Cells::new(most),
             periods,
             loads,
             pushes,
-            touches: None,
+            touches,
             energy: 0.0,
+            fast: Vec::new(),
         })
     }
 
-    /// Remember which points touch, for [`Self::settle`].
-    pub fn remembering(mut self) -> Self {
-        let points = |[i, j]: &[usize; 2]| self.parts[*i].points.len() + self.parts[*j].points.len();
-        self.touches = Some(Vec::with_capacity(self.pairs.iter().map(|(pair, _)| points(pair)).sum()));
-        self
-    }
-
-    /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the body
-    /// on a mount with a number.
+    /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the rigid
+    /// body with a number.
     pub fn find(
         &mut self,
         stations: &[Stations<D>],
@@ -235,8 +336,8 @@ where
         dt: f64,
     ) {
         self.clear();
-        let Self { parts, pairs, bodies, cells, loads, pushes, periods, touches, energy } = self;
-        let mut found = Found { loads, touches: touches.as_mut(), energy };
+        let Self { parts, pairs, bodies, body_pairs, cells, loads, pushes, periods, touches, energy, fast } = self;
+        let mut found = Found { loads: &mut *loads, touches: &mut *touches, fast: &mut *fast, energy };
         for ([i, j], laws) in pairs {
             for ([of, on], law) in [[*i, *j], [*j, *i]].into_iter().zip(laws) {
                 let [of, on] = [of, on].map(|k| (&parts[k], &stations[parts[k].number]));
@@ -244,10 +345,10 @@ where
                 add_side(of, on, shift, law, dt, cells, &mut found);
             }
         }
-        for ((body, laws), push) in bodies.iter().zip(pushes) {
+        for (k, ((body, laws), push)) in bodies.iter().zip(&mut *pushes).enumerate() {
             let Some((at, pose)) = pose_of(body.number) else { continue };
             push.velocities = pose.rates();
-            for (part, contacting) in parts.iter().zip(laws) {
+            for (part, contacting) in parts.iter().zip(laws).filter_map(|(part, law)| Some((part, law.as_ref()?))) {
                 let own = &stations[part.number];
                 let shift = nearest_image(own.middle() - pose.position, periods);
                 let meet = |point: &SurfacePoint| {
@@ -272,33 +373,97 @@ where
                     let Some((force, rate)) = meeting.answer(&slipping, dt, point.area) else { continue };
                     spot.give(force, rate, &mut loads[part.number]);
                     push.load.add(-force, Vector::repeat(rate), &arm);
+                    touches.push(Touch { sides: [Side::Part(part.number, spot), Side::Body(k, arm)], normal, rate });
+                    let parties = [Party::Flexible(part.number), Party::Body(body.number)];
+                    contacting.note(-meeting.velocity.dot(&normal), dt, parties, fast);
+                }
+            }
+        }
+        for (pair, contacting) in body_pairs {
+            let [of, on] = [pair.of, pair.on].map(|k| pose_of(bodies[k].0.number));
+            let Some(((place, of), (mut image, on))) = of.zip(on) else { continue };
+            let shift = nearest_image(place.origin - image.origin, periods);
+            image.origin += shift;
+            pair.meet(&bodies[pair.on].0.solid, [&place, &image], |point, gap, normal| {
+                let arms = [point - of.position, point - shift - on.position];
+                let [one, other] = [(&of, arms[0]), (&on, arms[1])]
+                    .map(|(pose, arm)| pose.velocity + <[f64; D]>::swing(pose.omega, &arm));
+                let meeting = Meeting { normal, gap, velocity: one - other };
+                let Some((force, rate)) = meeting.answer(contacting, dt, 1.0) else { return };
+                pushes[pair.of].load.add(force, Vector::repeat(rate), &arms[0]);
+                pushes[pair.on].load.add(-force, Vector::repeat(rate), &arms[1]);
+                let sides = [Side::Body(pair.of, arms[0]), Side::Body(pair.on, arms[1])];
+                touches.push(Touch { sides, normal, rate });
+                let parties = [pair.of, pair.on].map(|k| Party::Body(bodies[k].0.number));
+                contacting.note(-meeting.velocity.dot(&normal), dt, parties, fast);
+            });
+        }
+    }
+
+    /// Add what the sides took amiss of each other in the step of `h` seconds between these stations to the impulses that
+    /// they are owed, N s: those of flexible bodies, and those of rigid ones about their pivots, in the order of
+    /// [`Self::pushes`].
+    ///
+    /// `taken` returns which change of the velocity of the station (m/s) of a flexible body lowered its load, and `moved`
+    /// that of a rigid body with a number, see [`MountPush::change`].
+    ///
+    /// Each side takes its force less the rate times the change of its own velocity. Along the normal the sum of both is
+    /// owed to them in proportion to their masses, of which the change of the other one tells: what one side gets, the
+    /// other one gives, and the pair moves as a whole, without energy of its own. Along the surface each side gets back its
+    /// own part, which is no force of the contact.
+    pub fn settle(
+        &self,
+        h: f64,
+        ends: [&[Stations<D>]; 2],
+        taken: impl Fn(usize, usize, Vector<D>) -> Vector<D>,
+        moved: impl Fn(usize) -> Freedoms,
+        (owed, of_bodies): (&mut [Loads<D>], &mut [Freedoms]),
+    ) {
+        for Touch { sides, normal, rate } in &self.touches {
+            let change = sides.map(|side| match side {
+                Side::Part(number, spot) => {
+                    let at = |k: usize| {
+                        let [before, now] = ends.map(|stations| node(&stations[number].velocity, k));
+                        taken(number, k, now - before)
+                    };
+                    let parts = spot.stations.into_iter().zip(spot.shares);
+                    parts.map(|(k, share)| at(k) * share).sum::<Vector<D>>() * (h * rate)
+                }
+                Side::Body(k, arm) => {
+                    let (way, turn) = split::<D>(&moved(self.bodies[k].0.number));
+                    (way + <[f64; D]>::swing(turn, &arm)) * *rate
+                }
+            });
+            let [one, other] = change.map(|own| own.dot(normal));
+            let both = one.abs() + other.abs();
+            let share = if both > 0.0 { other.abs() / both } else { 0.5 };
+            for ((side, change), share) in sides.iter().zip(change).zip([share, 1.0 - share]) {
+                let due = change + normal * (share * (one + other) - change.dot(normal));
+                match side {
+                    Side::Part(number, spot) => {
+                        for (k, share) in spot.stations.into_iter().zip(spot.shares) {
+                            (0..D).for_each(|axis| owed[*number].force[axis][k] += share * due[axis]);
+                        }
+                    }
+                    Side::Body(k, arm) => {
+                        let impulse = join::<D>(&due, <[f64; D]>::cross(arm, &due));
+                        of_bodies[*k].iter_mut().zip(impulse).for_each(|(sum, part)| *sum += part);
+                    }
                 }
             }
         }
     }
 
-    /// Add what the sides took amiss of each other in the step of `h` seconds between these stations to the impulses that
-    /// they are owed, N s.
-    ///
-    /// Each side takes its force less the rate times the change of its own velocity. Along the normal half of the sum of
-    /// both is owed to each: what one side gets, the other one gives. Along the surface each side gets back its own part,
-    /// which is no force of the contact.
-    ///
-    /// # Panics
-    /// Without [`Self::remembering`].
-    pub fn settle(&self, h: f64, ends: [&[Stations<D>]; 2], owed: &mut [Loads<D>]) {
-        for Touch { sides, normal, rate } in self.touches.as_ref().expect("touches are remembered") {
-            let change = sides.map(|(number, spot)| {
-                let [before, now] = ends.map(|stations| spot.on(&stations[number].velocity));
-                (now - before) * (h * rate)
-            });
-            let half = 0.5 * (change[0] + change[1]).dot(normal);
-            for ((number, spot), change) in sides.iter().zip(change) {
-                let due = change + normal * (half - change.dot(normal));
-                for (k, share) in spot.stations.into_iter().zip(spot.shares) {
-                    (0..D).for_each(|axis| owed[*number].force[axis][k] += share * due[axis]);
-                }
-            }
+    /// Add impulses that the bodies are owed (N s), in the order of [`Self::settle`], to their loads of a coming step of
+    /// `dt` seconds.
+    pub fn pay(&mut self, dt: f64, owed: &[Loads<D>], of_bodies: &[Freedoms]) {
+        for (load, owed) in self.loads.iter_mut().zip(owed) {
+            let both = load.force.iter_mut().flatten().zip(owed.force.iter().flatten());
+            both.for_each(|(force, impulse)| *force += impulse / dt);
+        }
+        for (push, owed) in self.pushes.iter_mut().zip(of_bodies) {
+            let (force, moment) = split::<D>(&owed.map(|impulse| impulse / dt));
+            push.load.force = push.load.force.plus(&Force { force, moment });
         }
     }
 
@@ -308,6 +473,7 @@ where
         let Some(other) = other else { return };
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.pushes.iter_mut().zip(&other.pushes).for_each(|(own, other)| *own = *other);
+        self.touches.extend_from_slice(&other.touches);
     }
 
     /// Forget it.
@@ -316,7 +482,7 @@ where
             own.force.iter_mut().chain([&mut own.impedance]).for_each(|list| list.fill(0.0));
         }
         self.pushes.fill(MountPush::default());
-        self.touches.iter_mut().for_each(Vec::clear);
+        self.touches.clear();
         self.energy = 0.0;
     }
 
@@ -337,7 +503,7 @@ where
         }
     }
 
-    /// Return what it does to bodies on a mount in the coming step, each by its number.
+    /// Return what it does to rigid bodies in the coming step, each by its number.
     pub fn pushes(&self) -> impl Iterator<Item = (usize, &MountPush<D>)> {
         self.bodies.iter().map(|(body, _)| body.number).zip(&self.pushes)
     }
@@ -345,6 +511,11 @@ where
     /// Return the energy of the contact of flexible bodies with each other at the gaps of [`Self::find`], J.
     pub fn energy(&self) -> f64 {
         self.energy
+    }
+
+    /// Return who met faster than contact surely stops, each pair once.
+    pub fn fast(&self) -> &[FastMeeting] {
+        &self.fast
     }
 
     /// Return its loads on each flexible body.
@@ -365,7 +536,7 @@ struct Meeting<const D: usize> {
 
 impl<const D: usize> Meeting<D> {
     /// Return force and rate on a `size` (m, m²) of the side of the point in a step of `dt` seconds; none out of reach.
-    fn answer(&self, Contacting { law, mass }: &Contacting, dt: f64, size: f64) -> Option<(Vector<D>, f64)> {
+    fn answer(&self, Contacting { law, mass, .. }: &Contacting, dt: f64, size: f64) -> Option<(Vector<D>, f64)> {
         let Self { normal, gap, velocity } = self;
         let closing = velocity.dot(normal);
         let (force, rate) = answer(law, [*gap, closing], dt, size)?;
@@ -456,9 +627,10 @@ fn add_side<const D: usize>(
         spot.give(force, rate, &mut found.loads[of.number]);
         touched.give(-force, rate, &mut found.loads[on.number]);
         *found.energy += 0.5 * point.area * contacting.law.penalty(gap.max(-DEEPEST * contacting.law.depth)).potential;
-        if let Some(touches) = &mut found.touches {
-            touches.push(Touch { sides: [(of.number, spot), (on.number, touched)], normal, rate });
-        }
+        let sides = [Side::Part(of.number, spot), Side::Part(on.number, touched)];
+        found.touches.push(Touch { sides, normal, rate });
+        let parties = [of.number, on.number].map(Party::Flexible);
+        contacting.note(-meeting.velocity.dot(&normal), dt, parties, found.fast);
     }
 }
 

@@ -30,7 +30,7 @@ pub use cells::{Cells, MOST_PARTNERS};
 pub use coupling::{ContactCoupling, ContactExchange, CouplingError, CouplingState};
 pub use encounter::{Encounter, Obstacles, Push};
 pub use error::{BodyError, ContactError};
-pub use flexible::{FlexibleBody, FlexibleContact, MountPush, MountedBody, Skin};
+pub use flexible::{FastMeeting, FlexibleBody, FlexibleContact, MountPush, MountedBody, Party, Skin};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};
 pub use obstacle::{Nearest, Obstacle, Pose};
 pub use rigid::Kinematics;

@@ -1,7 +1,7 @@
 //! Contact of lines and surfaces that others move, by the loads that it announces.
 
 use nervure_contact::{
-    ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Pose, Skin, Stations,
+    ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Party, Pose, Skin, Stations,
     largest_stiffness,
 };
 
@@ -177,6 +177,29 @@ fn lines_of_any_masses_exchange_momentum_and_gain_no_energy() {
     }
 }
 
+/// The range stops lines that meet up to the speed of the limit, beyond which each pair is noted once.
+#[test]
+fn lines_that_meet_faster_than_the_range_stops_are_noted_once() {
+    for (mass, speed, is_fast) in [(1.6, 3.1, false), (1.6, 4.6, true), (30.0, 3.1, false), (30.0, 4.6, true)] {
+        let lines = [Line::upper(1.6, 0.25, [0.0, -speed]), Line::lower(3.0 * mass)];
+        let mut pair = Pair::new(lines, &Law { friction: 0.0, ..LAW });
+        let mut least = f64::INFINITY;
+        for _ in 0..60 {
+            pair.step();
+            least = least.min(pair.lines[0].at[1] - pair.lines[1].at[1] - 2.0 * RADIUS);
+        }
+        assert!((least < 0.0) == is_fast, "{speed} m/s: a gap of {least} m");
+        let limit = LAW.range * std::f64::consts::PI / (10.0 * STEP * 3.0_f64.sqrt());
+        match pair.contact.fast() {
+            [one] if is_fast => {
+                assert_eq!(one.parties, [Party::Flexible(0), Party::Flexible(1)]);
+                assert!((one.speed - speed).abs() < 1e-12 && (one.limit - limit).abs() < 1e-12, "{one:?}");
+            }
+            found => assert!(found.is_empty() && !is_fast, "{speed} m/s: {found:?}"),
+        }
+    }
+}
+
 /// A light and a heavy disk on a mount under a line that slides over them.
 #[test]
 fn friction_takes_a_body_on_a_mount_along_and_never_past_the_line() {
@@ -188,8 +211,7 @@ fn friction_takes_a_body_on_a_mount_along_and_never_past_the_line() {
     for mass in [1e-3, 0.1, 10.0] {
         let moment = 0.5 * mass * 0.09;
         let [(force, about), (without, _)] = [10.0, 0.0].map(|friction| {
-            let body =
-                MountedBody { number: 0, solid: Obstacle::block([0.0; 2], [0.0; 2], 0.3), inertia: [mass, moment] };
+            let body = MountedBody::new(0, Obstacle::block([0.0; 2], [0.0; 2], 0.3), [mass, moment]);
             let flexible = [FlexibleBody { nodes: &nodes, triangles: None, skin: Some(&skin) }];
             let law = Law { friction, ..LAW };
             let contact = FlexibleContact::new(&flexible, vec![body], &law, [f64::INFINITY; 2]);

@@ -13,7 +13,7 @@ use crate::grid::Grid;
 use crate::limits::{Contour, StepLimits};
 use crate::outlet::Outlet;
 use crate::parameters::{Extent, Flexible, Parameters};
-use crate::present::{Interfaces, Present};
+use crate::present::{ContactOwed, Interfaces, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
 use crate::problem::Problem;
@@ -53,8 +53,8 @@ where
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
     contours: Vec<Contour>,
-    /// Contact of flexible bodies with each other and with bodies on a mount; absent without.
-    flexible_contact: Option<FlexibleContact<D>>,
+    /// Contact of flexible bodies and the body that another unit moves with all that moves; absent without.
+    pub(crate) flexible_contact: Option<FlexibleContact<D>>,
     limits: StepLimits,
     bytes_per_number: usize,
     /// Number of cells, of all grids.
@@ -94,7 +94,8 @@ const fn numbers_of_fluid<const D: usize>() -> usize {
     if D == 2 { 33 } else { 52 }
 }
 
-/// Return the contact of the flexible bodies with each other and with the bodies on a mount; none where nothing may touch.
+/// Return the contact of the flexible bodies and the body that another unit moves with each other and with the bodies on a
+/// mount; none where nothing may touch.
 fn contact_of<const D: usize>(parameters: &Parameters<D>) -> Option<FlexibleContact<D>>
 where
     [f64; D]: Solvable<D>,
@@ -110,9 +111,17 @@ where
             skin: skin.as_ref(),
         })
         .collect();
+    let size = parameters.grid().size;
     let mounted = parameters.bodies.iter().enumerate().filter_map(|(number, body)| {
-        let inertia = body.mount()?.least_inertia();
-        Some(MountedBody { number, solid: body.shape.obstacle()?, inertia })
+        let carrier = own.carrier.as_ref().filter(|_| body.announces);
+        let inertia = body.mount().map(|mount| mount.least_inertia()).or(carrier.map(|own| own.inertia))?;
+        Some(MountedBody {
+            displaced: parameters.density * body.shape.moments(&size).volume,
+            pivot: body.pivot.into(),
+            law: carrier.map(|_| own.law),
+            carries: carrier.map_or(vec![], |own| own.carries.clone()),
+            ..MountedBody::new(number, body.shape.obstacle()?, inertia)
+        })
     });
     let BodyLaw { range, damping, friction, .. } = own.law;
     let law =
@@ -161,6 +170,13 @@ where
         let room = |body: &Flexible<D>, lists: usize| vec![vec![0.0; body.nodes.len()]; lists];
         let jump = |body: &Flexible<D>| room(body, components(&body.extent).min(1)).pop().unwrap_or_default();
         let shear = |body: &Flexible<D>| room(body, components(&body.extent));
+        let flexible_contact = contact_of(parameters);
+        let owed_by_contact = |contact: &FlexibleContact<D>| ContactOwed {
+            step: parameters.communication_step,
+            flexible: stations.iter().map(|own| Loads::none(own.len())).collect(),
+            bodies: contact.pushes().map(|_| [0.0; 6]).collect(),
+        };
+        let nothing = ContactOwed { step: 0.0, flexible: vec![], bodies: vec![] };
         let present = Present {
             time: 0.0,
             step: 0.0,
@@ -172,6 +188,7 @@ where
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
                 owed: vec![[0.0; 6]; if parameters.loads && problem.thin.has_surface() { stations.len() } else { 0 }],
+                contact: flexible_contact.as_ref().map_or(nothing, owed_by_contact),
                 jump: parameters.flexible.iter().map(jump).collect(),
                 shear: parameters.flexible.iter().map(shear).collect(),
             },
@@ -194,7 +211,7 @@ where
                 displaced_at_end: displaced.clone(),
                 displaced_to: displaced,
             },
-            flexible_contact: contact_of(parameters),
+            flexible_contact,
             contours: parameters.flexible.iter().map(Contour::from).collect(),
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
@@ -282,11 +299,12 @@ where
 
     /// Find the part of contact in the present loads; flexible bodies begin without loads.
     fn find_announced_contact(&mut self) {
-        let dt = self.coming_step();
+        let (dt, announces) = (self.coming_step(), self.announces());
         let Some(contact) = &mut self.flexible_contact else { return };
         let Present { flexible, carried, step, .. } = &self.present;
-        if *step > 0.0 {
+        if *step > 0.0 && announces {
             contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
+            contact.pay(flexible.contact.step, &flexible.contact.flexible, &flexible.contact.bodies);
         } else {
             contact.clear();
         }
@@ -334,8 +352,9 @@ where
         for ((owed, stations), loads) in flexible.owed.iter().zip(&flexible.stations).zip(&mut flexible.loads) {
             pay(&owed.map(|impulse| impulse / dt), stations, loads);
         }
-        if let Some(contact) = self.flexible_contact.as_mut().filter(|_| !flexible.loads.is_empty()) {
+        if let Some(contact) = &mut self.flexible_contact {
             contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
+            contact.pay(flexible.contact.step, &flexible.contact.flexible, &flexible.contact.bodies);
             contact.add(&mut flexible.loads);
             self.problem.bodies.push(contact.pushes());
         }
@@ -434,6 +453,9 @@ where
                 self.present.copy_from(&undo.present);
             }
             self.place_at_present();
+            if several {
+                self.find_announced_contact();
+            }
             return Err(error);
         }
         self.pressures.invalidate();
@@ -459,16 +481,30 @@ where
         Ok(())
     }
 
-    /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact.
+    /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact, and what the sides of
+    /// contact took amiss of each other.
     fn settle(&mut self, h: f64) {
-        let Interfaces { owed, loads, .. } = &mut self.present.flexible;
-        if owed.is_empty() {
-            return;
-        }
-        if let Some(contact) = &self.flexible_contact {
+        let Self { present, flexible_contact, problem: Problem { thin, bodies, .. }, motion, .. } = self;
+        let Interfaces { owed, loads, contact: ContactOwed { step, flexible, bodies: on_bodies }, .. } =
+            &mut present.flexible;
+        let ends = [&*motion.from, &*motion.target];
+        if let Some(contact) = flexible_contact {
             contact.take_off(loads);
         }
-        self.problem.thin.settle(h, [&self.motion.from, &self.motion.target], loads, owed);
+        if !owed.is_empty() {
+            thin.settle(h, ends, loads, owed);
+        }
+        let Some(contact) = flexible_contact else { return };
+        // A step of another length pays another part.
+        let unpaid = 1.0 - h / *step;
+        flexible.iter_mut().flat_map(|own| &mut own.force).flatten().for_each(|impulse| *impulse *= unpaid);
+        on_bodies.iter_mut().flatten().for_each(|impulse| *impulse *= unpaid);
+        *step = h;
+        let taken = |number: usize, node: usize, change| {
+            let of = |all: &[Loads<D>]| all[number].impedance[node];
+            thin.taken(h, number, node, [of(loads), of(contact.loads())], change)
+        };
+        contact.settle(h, ends, taken, |number| bodies.rigid[number].push.change, (flexible, on_bodies));
     }
 
     /// Make the steps of a communication step, at first `substeps`.

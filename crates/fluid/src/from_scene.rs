@@ -5,13 +5,14 @@
 
 use std::sync::Arc;
 
+use nalgebra::Matrix3;
 use scene::{BodyDrive, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::gust::Gust;
 use crate::law::Law;
 use crate::parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, MiddleBox, Motion, Mount, Parameters, Zone,
+    Body, Carrier, Contact, Extent, FineBox, Flexible, Followed, MiddleBox, Motion, Mount, Parameters, Zone,
 };
 use crate::shapes::{Polyline, Shape, Triangulation};
 use crate::space::{Kinematics, Space, Spin, Turn, Vector};
@@ -184,7 +185,21 @@ where
         periods: std::array::from_fn(|axis| if walls[axis].is_none() { size[axis] } else { f64::INFINITY }),
         flexible_stiffness: own.stiffness.unwrap_or(f64::INFINITY),
         skins: own.skins(scene, D),
+        carrier: scene
+            .flyer
+            .as_ref()
+            .filter(|flyer| flyer.shape.is_some())
+            .map(|flyer| Carrier { inertia: least_inertia(flyer), carries: scene.carried_by_flyer() }),
     })
+}
+
+/// Return the mass of a flyer, kg, and its least moment of inertia, kg m², infinite where it cannot turn.
+fn least_inertia(flyer: &scene::Flyer) -> [f64; 2] {
+    use scene::FreedomName::{AngleX, AngleY, AngleZ};
+    let ([x, y, z], [yz, zx, xy]) = (flyer.inertia.about(), flyer.products_of_inertia);
+    let about = Matrix3::new(x, xy, zx, xy, y, yz, zx, yz, z).symmetric_eigenvalues().min();
+    let turns = [AngleX, AngleY, AngleZ].iter().any(|about| !flyer.held.contains(about));
+    [flyer.mass, if turns { about } else { f64::INFINITY }]
 }
 
 /// Return bodies of a scene, with their shapes, turns at rest and axes of their motions, each with a name and its number.

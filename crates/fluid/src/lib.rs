@@ -59,7 +59,7 @@ pub use grid::Grid;
 pub use gust::Gust;
 pub use method::{Filter, Mask, Precision, Support, TimeScheme, WallCorrection};
 pub use parameters::{
-    Body, Contact, Extent, FineBox, Flexible, Followed, Law, Laws, MiddleBox, Motion, Mount, Parameters, Zone,
+    Body, Carrier, Contact, Extent, FineBox, Flexible, Followed, Law, Laws, MiddleBox, Motion, Mount, Parameters, Zone,
 };
 pub use shapes::{Polyline, Shape, Triangulation};
 pub use solver::Solvable;

@@ -8,7 +8,7 @@ use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::pressures::{PressurePlaces, Pressures};
 use crate::solver::Solvable;
-use contact::{Loads, Stations};
+use contact::{FastMeeting, FlexibleContact, Loads, Stations};
 
 /// A grid point with its weight.
 type Weighted = (usize, f64);
@@ -229,6 +229,11 @@ where
     /// [`Self::force_on_flexible`].
     pub fn exchange(&self) -> &[Exchange<D>] {
         &self.present.flexible.exchange
+    }
+
+    /// Return who met faster than contact surely stops, each pair once.
+    pub fn fast_meetings(&self) -> &[FastMeeting] {
+        self.flexible_contact.as_ref().map_or(&[], FlexibleContact::fast)
     }
 
     /// Return the loads on the stations of each flexible body for the coming step; empty if none are predicted.

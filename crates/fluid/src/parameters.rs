@@ -209,7 +209,7 @@ where
 }
 
 /// Contact of bodies on a mount with each other, with all other bodies, and with walls; and of flexible bodies with each
-/// other and with bodies on a mount.
+/// other and with bodies on a mount; and of a body that another unit moves with all that moves.
 #[derive(Clone, Debug)]
 pub struct Contact<const D: usize = 2>
 where
@@ -228,6 +228,17 @@ where
     pub flexible_stiffness: f64,
     /// Skin of each flexible body; absent: it touches no other one.
     pub skins: Vec<Option<Skin>>,
+    /// The body whose load is announced; absent: none touches what moves.
+    pub carrier: Option<Carrier>,
+}
+
+/// What contact has to know of a body that another unit moves.
+#[derive(Clone, Debug)]
+pub struct Carrier {
+    /// Mass, kg, and least moment of inertia, kg m², infinite where it cannot turn.
+    pub inertia: [f64; 2],
+    /// Numbers of the flexible bodies that it carries and does not touch.
+    pub carries: Vec<usize>,
 }
 
 /// How a body moves.

@@ -39,6 +39,8 @@ pub struct Interfaces<const D: usize> {
     pub exchange: Vec<Exchange<D>>,
     /// Impulse of force and moment about the origin, N s and N m s, that each is still owed; empty without a surface.
     pub owed: Vec<Freedoms>,
+    /// Impulses that contact owes.
+    pub contact: ContactOwed<D>,
     /// Pressure above less the pressure below the stations of each line in the plane and surface in space, Pa; empty for
     /// other bodies.
     pub jump: Vec<Vec<f64>>,
@@ -47,14 +49,26 @@ pub struct Interfaces<const D: usize> {
     pub shear: Vec<Vec<Vec<f64>>>,
 }
 
+/// Impulses by which the loads of contact make up for what the last one was amiss; every list is empty without it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactOwed<const D: usize> {
+    /// Length of the step in which they are paid, s.
+    pub step: f64,
+    /// Impulses on the flexible bodies, N s.
+    pub flexible: Vec<Loads<D>>,
+    /// Impulses of force and moment about the pivot on the rigid ones, N s and N m s.
+    pub bodies: Vec<Freedoms>,
+}
+
 impl<const D: usize> Present<D>
 where
     [f64; D]: Space<D>,
 {
     /// A uniform flow (m/s) without a body.
     pub fn without_bodies(grid: &Grid<D>, velocity: [f64; D]) -> Self {
-        let flexible =
-            Interfaces { stations: vec![], loads: vec![], exchange: vec![], owed: vec![], jump: vec![], shear: vec![] };
+        let contact = ContactOwed { step: 0.0, flexible: vec![], bodies: vec![] };
+        let (stations, loads, exchange, owed, jump, shear) = (vec![], vec![], vec![], vec![], vec![], vec![]);
+        let flexible = Interfaces { stations, loads, exchange, owed, contact, jump, shear };
         let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
         Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
     }
@@ -74,7 +88,7 @@ where
 
     /// Return the first part that differs in size from `own`, or is a number and not finite.
     pub fn misfit(&self, own: &Self) -> Option<&'static str> {
-        let numbers = [self.time, self.step, self.advection_rate];
+        let numbers = [self.time, self.step, self.advection_rate, self.flexible.contact.step];
         let parts = [
             ("the time or a step", numbers.iter().all(|number| number.is_finite())),
             ("the list of bodies", self.bodies.len() == own.bodies.len() && self.carried.len() == own.carried.len()),
@@ -92,13 +106,17 @@ impl<const D: usize> Interfaces<D> {
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.exchange.copy_from_slice(&other.exchange);
         self.owed.copy_from_slice(&other.owed);
+        self.contact.step = other.contact.step;
+        self.contact.flexible.iter_mut().zip(&other.contact.flexible).for_each(|(own, other)| own.copy_from(other));
+        self.contact.bodies.copy_from_slice(&other.contact.bodies);
         let shear = self.shear.iter_mut().flatten().zip(other.shear.iter().flatten());
         self.jump.iter_mut().zip(&other.jump).chain(shear).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has as many bodies with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
-        let lengths = |all: &Self| [all.stations.len(), all.loads.len(), all.exchange.len(), all.owed.len()];
+        let owed = |all: &Self| [all.owed.len(), all.contact.flexible.len(), all.contact.bodies.len()];
+        let lengths = |all: &Self| ([all.stations.len(), all.loads.len(), all.exchange.len()], owed(all));
         let stresses = |all: &Self| {
             let shear = all.shear.iter().map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
             (all.jump.iter().map(Vec::len).collect::<Vec<_>>(), shear.collect::<Vec<_>>())
@@ -107,5 +125,6 @@ impl<const D: usize> Interfaces<D> {
             && stresses(self) == stresses(other)
             && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
             && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
+            && self.contact.flexible.iter().zip(&other.contact.flexible).all(|(a, b)| a.has_shape_of(b))
     }
 }

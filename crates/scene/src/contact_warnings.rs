@@ -2,12 +2,12 @@
 
 use geometry::vector::{between, dot, minus};
 
-use ::contact::{BodyContacts, HELD, Kinematics, Obstacle, Part, PartMotion};
+use ::contact::{BodyContacts, FastMeeting, HELD, Kinematics, Obstacle, Part, PartMotion, Party};
 
 use crate::body::Body;
-use crate::places::three_digits;
+use crate::places::{rounded, three_digits};
 use crate::root::{RootMotion, RootSupport};
-use crate::scene::{BeamWithRod, Scene};
+use crate::scene::{BeamWithRod, Scene, WingOfScene};
 use crate::warning::Warning;
 
 /// Most points at which the gap is looked at.
@@ -73,15 +73,38 @@ pub(crate) fn of_rod(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
     })
 }
 
-/// Return the warning about bodies on a mount that may touch the body of a flyer.
+/// Return the warning about a flyer whose solid no fluid knows, beside something that moves.
 pub(crate) fn of_flyer(scene: &Scene) -> Option<Warning> {
-    let ((_, fluid), shape) = (scene.contact.as_ref().zip(scene.fluid.as_ref())?, scene.flyer.as_ref()?.shape?);
-    let other = fluid.bodies.iter().position(|body| body.mount.is_some())?;
-    let text = format!(
-        "`fluid.bodies[{other}]` bounces off the flyer's `fluid.bodies[{shape}]`, but contact does not push the flyer \
-         back: no free body should reach it"
-    );
-    Some(Warning { key: format!("fluid.bodies[{other}].mount"), time: None, text })
+    scene.flyer.as_ref().filter(|_| scene.contact.is_some())?.solid.as_ref()?;
+    let mounted = scene.fluid.iter().flat_map(|fluid| fluid.obstacles()).filter(|own| own.body.mount.is_some());
+    let rods = scene.beams_with_rods().map(|own| own.name.unwrap_or("rod").to_string());
+    let units = rods.chain(scene.wings().map(|own| own.name.to_string()));
+    let bare = units.filter(|name| scene.hinge_of(name).is_none());
+    let other = mounted.map(|own| own.key).chain(bare).next()?;
+    let text = format!("`flyer.solid` passes through `{other}`, which only a `flyer.shape` in the fluid touches");
+    Some(Warning { key: "flyer.solid".into(), time: None, text })
+}
+
+impl Scene {
+    /// Return the warning about two that met faster than contact surely stops in a step to time `t`, s.
+    pub fn warning_of(&self, FastMeeting { parties, speed, limit }: &FastMeeting, t: f64) -> String {
+        let name = |party: Party| match party {
+            Party::Body(k) => self.fluid.as_ref()?.obstacles().nth(k).map(|own| own.name),
+            Party::Flexible(k) => {
+                let rod = |own: BeamWithRod| own.name.map_or("the rod".into(), |name| format!("the rod {name}"));
+                let wing =
+                    |own: WingOfScene| own.number.map_or("the wing".into(), |_| format!("the wing {}", own.name));
+                self.beams_with_rods().map(rod).chain(self.wings().map(wing)).nth(k)
+            }
+        };
+        let [one, other] = parties.map(|party| name(party).unwrap_or_default());
+        let [speed, limit] = [*speed, *limit].map(three_digits);
+        let at = rounded(t);
+        format!(
+            "{one} and {other} meet with {speed} m/s at t = {at} s, but contact is sure to stop {limit} m/s: it needs a \
+             longer `contact.range` or a shorter `time.communication_step`"
+        )
+    }
 }
 
 /// Return the warnings about bodies on a mount that contact throws at the start, or cannot part.

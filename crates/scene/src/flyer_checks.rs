@@ -15,6 +15,13 @@ impl Scene {
         self.flyer.as_ref()?.hinges.iter().find(|hinge| hinge.carries == unit)
     }
 
+    /// Return the numbers of the beams, then the wings, that the flyer carries.
+    pub fn carried_by_flyer(&self) -> Vec<usize> {
+        let rods = self.beams_with_rods().map(|own| own.name.unwrap_or("rod"));
+        let names = rods.chain(self.wings().map(|own| own.name)).enumerate();
+        names.filter(|(_, name)| self.hinge_of(name).is_some()).map(|(k, _)| k).collect()
+    }
+
     /// Return the mass of the fluid that the body `k` of the fluid displaces, kg, its moments of inertia about the pivot,
     /// kg m², as a matrix, and its centroid from the pivot, m, in the axes of the box at the start.
     pub fn displaced_by_body(&self, k: usize) -> Option<(f64, [[f64; 3]; 3], [f64; 3])> {

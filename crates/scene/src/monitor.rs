@@ -41,6 +41,8 @@ pub(crate) struct Part {
     pub is_mounted: bool,
     /// Whether it is a body that the master moves, which rods and wings do not touch.
     pub is_driven: bool,
+    /// Whether it is the body of the flyer, or what that carries and does not touch.
+    pub of_flyer: bool,
 }
 
 impl Part {
@@ -121,7 +123,11 @@ impl Monitor<'_> {
             }
             let touches = match (one.0.is_body(), two.0.is_body()) {
                 (true, true) => one.0.is_mounted || two.0.is_mounted,
-                _ => !(one.0.is_driven || two.0.is_driven),
+                (false, false) => true,
+                _ => {
+                    let body = if one.0.is_body() { one.0 } else { two.0 };
+                    !body.is_driven || (body.of_flyer && !(one.0.of_flyer && two.0.of_flyer))
+                }
             };
             if (one.0.moves || two.0.moves)
                 && !(touches && self.has_contact)
@@ -293,13 +299,19 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         all.filter(|own| is(&own.body)).map(|own| own.key).collect()
     };
     let (mounted, driven) = (keys(|body| body.mount.is_some()), keys(Body::is_driven));
+    let shape = scene.flyer.as_ref().and_then(|flyer| flyer.shape);
+    let rods = scene.beams_with_rods().map(|own| (own.name.unwrap_or("rod"), own.key() + "beam"));
+    let wings = scene.wings().map(|own| (own.name, own.key));
+    let carried = rods.chain(wings).filter(|(name, _)| scene.hinge_of(name).is_some()).map(|(_, key)| key);
+    let of_flyer: Vec<_> = shape.map(|k| format!("fluid.bodies[{k}]")).into_iter().chain(carried).collect();
     let mut add = |key: String, name: String, shapes: [Option<Shape>; 2], moves: bool, beam: Option<&Beam>| {
+        let of_flyer = of_flyer.contains(&key);
         if let [Some(rest), Some(shape)] = shapes {
             let [is_mounted, is_driven] = [&mounted, &driven].map(|keys| keys.contains(&key));
             let deforms = !key.starts_with("fluid.");
             let thickness = beam.map_or(f64::INFINITY, Beam::largest_thickness);
             let reach = fluid.map_or(0.0, |fluid| fluid.reach(&rest, beam));
-            parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted, is_driven });
+            parts.push(Part { deforms, key, name, rest, moves, thickness, reach, is_mounted, is_driven, of_flyer });
             now.push(Some(shape));
         }
     };

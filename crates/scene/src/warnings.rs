@@ -121,7 +121,8 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
     let part = |key: String, rest, moves: bool, rigid: &str, beam: Option<&Beam>| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
         let (thickness, reach) = (beam.map_or(f64::INFINITY, Beam::largest_thickness), fluid.reach(&rest, beam));
-        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted: false, is_driven: false }
+        let (is_mounted, is_driven, of_flyer) = (false, false, false);
+        Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted, is_driven, of_flyer }
     };
     let rigid = |Obstacle { key, body, .. }: Obstacle| Moving {
         part: Part {

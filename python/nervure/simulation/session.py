@@ -20,7 +20,7 @@ from nervure.simulation import results, verified
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.oscillations import GridOscillationMonitor
-from nervure.simulation.places import Places
+from nervure.simulation.places import Places, counted
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
@@ -108,6 +108,8 @@ class Session(TimeLoop):
 
     def _check(self) -> None:
         self.warnings += self.places.check(self.time)
+        for name, unit in self.units.items():
+            self.warnings += [] if name in self.foreign else counted(unit.take_warnings())
         for guard in self.scheme.guards:
             at_end = self.steps == self.grid.steps
             self.warnings += guard.warn(self.time, self.grid.communication_step, at_end)

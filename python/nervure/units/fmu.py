@@ -63,13 +63,18 @@ _messages: dict[str, list[str]] = defaultdict(list)
 """Logged errors by instance name: the proxy of fmpy has one logger for the whole process."""
 
 
+_warnings: dict[str, list[str]] = defaultdict(list)
+"""Logged warnings by instance name."""
+
+
 def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
     _note((instance or b"").decode("utf-8", "replace"), None, status, None, message)
 
 
 def _note(instance: str, _environment: Any, status: int, _category: Any, message: bytes | None) -> None:
-    if status > FMI_WARNING:
-        _messages[instance].append((message or b"").decode("utf-8", "replace"))
+    if status >= FMI_WARNING:
+        kept = _messages if status > FMI_WARNING else _warnings
+        kept[instance].append((message or b"").decode("utf-8", "replace"))
 
 
 _callbacks = fmi2CallbackFunctions(
@@ -97,6 +102,7 @@ class Unit:
         self.kept: list[ctypes.c_void_p] = []  # Those of `keep`
         self._references: list[np.ndarray] = []  # Whose addresses are arguments of calls
         _messages[name].clear()
+        _warnings[name].clear()
         self.description = read_description(path)
         self.version = version_of(self.description)
         if self.version is None or self.description.coSimulation is None:
@@ -352,6 +358,11 @@ class Unit:
         values = np.empty([n for n in shape if n])
         function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape)
         return values
+
+    def take_warnings(self) -> list[str]:
+        """Return what the unit has warned of since the last call."""
+        taken, _warnings[self.name] = _warnings[self.name], []
+        return taken
 
     def close(self) -> None:
         """Free the instance, unload the library and remove the unpacked files."""

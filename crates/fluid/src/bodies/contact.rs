@@ -39,7 +39,9 @@ where
     /// # Errors
     /// [`BodyError::Touch`] for bodies that cannot touch.
     pub fn new(parameters: &Parameters<D>) -> Result<Option<Self>, Error> {
-        let Some(Contact { law, obstacles, walls, periods, .. }) = &parameters.contact else { return Ok(None) };
+        let Some(Contact { law, obstacles, walls, periods, carrier, .. }) = &parameters.contact else {
+            return Ok(None);
+        };
         if !parameters.bodies.iter().any(|body| body.mount().is_some()) {
             return Ok(None);
         }
@@ -70,7 +72,9 @@ where
         }
         let names = bodies.iter().chain(obstacles).map(|own| &own.name);
         let solver = BodyContacts::new(parts, law).map_err(|pair| BodyError::Touch(BodyError::names(pair, names)))?;
-        let solver = solver.with_periods(*periods);
+        // A body that another unit moves feels only what is announced.
+        let is_announced = |k: &usize| carrier.is_some() && bodies.get(*k).is_some_and(|body| body.announces);
+        let solver = solver.without(|pair| pair.iter().any(is_announced)).with_periods(*periods);
         Ok(Some(Self { solver, obstacles: obstacles.clone(), rigid: bodies.len() }))
     }
 

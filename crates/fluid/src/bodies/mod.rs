@@ -40,8 +40,10 @@ where
     /// Total drag rate Σ a_b, 1/s; absent without a solid.
     rate: Option<Field<f64>>,
     painted: Painted,
-    /// Loads of the next step on the bodies, where they are announced.
+    /// Loads of the next step on the bodies, where they are announced, with contact.
     announced: Vec<(usize, Drag<D>)>,
+    /// The same without it.
+    of_fluid: Vec<Drag<D>>,
     /// Contact of the bodies on a mount; absent without.
     contacts: Option<Contacts<D>>,
     /// Density of the fluid, kg/m³.
@@ -116,6 +118,7 @@ where
         let mut bodies = Self {
             // The parameters were checked.
             contacts: Contacts::new(parameters).unwrap_or_default(),
+            of_fluid: announcing.clone().map(|_| Drag::default()).collect(),
             announced: announcing.map(|(k, _)| (k, Drag::default())).collect(),
             rigid,
             beams,
@@ -172,9 +175,13 @@ where
         self.rigid.iter_mut().for_each(|rigid| rigid.release(time, dt));
     }
 
-    /// Set what rods and wings do to bodies on a mount in the coming step, each by its number.
+    /// Set what contact does to bodies in the coming step, each by its number.
     pub fn push<'a>(&mut self, pushes: impl Iterator<Item = (usize, &'a MountPush<D>)>) {
         pushes.for_each(|(number, push)| self.rigid[number].push = *push);
+        for ((number, load), own) in self.announced.iter_mut().zip(&self.of_fluid) {
+            *load = *own;
+            add_load(load, &self.rigid[*number].push.load);
+        }
     }
 
     /// Let the solid bodies that were put to a predicted place move: those on springs find their velocities together with
@@ -270,22 +277,24 @@ where
     /// Announce the loads after [`Self::look_ahead`] in a step with the first coefficient `c_0` of the differences;
     /// `u_star` is `u*` at a grid point.
     pub fn set_announced(&mut self, c_0: f64, carried: &[Carried<D>], u_star: impl Fn(usize) -> [f64; D]) {
-        let Self { announced, rigid, rate: Some(rate), cell_mass, .. } = self else { return };
+        let Self { announced, of_fluid, rigid, rate: Some(rate), cell_mass, .. } = self else { return };
         let bodies = rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried);
-        for ((rigid, carried), (_, load)) in bodies.filter(|(rigid, _)| rigid.announces()).zip(announced) {
+        let bodies = bodies.filter(|(rigid, _)| rigid.announces());
+        for ((rigid, carried), ((_, all), load)) in bodies.zip(announced.iter_mut().zip(of_fluid)) {
             *load = rigid.drag(c_0, *cell_mass, rate, &u_star);
             // The cells have the predicted velocities.
             let (predicted, kept) = (rigid.pose.rates(), carried.now.rates());
             let rises = load.impedance.map(|row| (0..6).map(|j| row[j] * (predicted[j] - kept[j])).sum::<f64>());
             let (force, moment) = split::<D>(&rises);
             load.force = load.force.plus(&Force { force, moment });
+            *all = *load;
             rigid.pose = rigid.pose_of(&carried.now);
         }
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by
-    /// `displacements`, and write that; `c` are the coefficients of the backward differences.
-    pub fn commit(&mut self, displacements: &[Pose<D>], c: [f64; 3], carried: &mut [Carried<D>]) {
+    /// `displacements`, and write that; `dt` is its length, s, and `c` are the coefficients of the backward differences.
+    pub fn commit(&mut self, displacements: &[Pose<D>], dt: f64, c: [f64; 3], carried: &mut [Carried<D>]) {
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
         for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
             let (now, acceleration) = match &rigid.spring_motion {
@@ -294,6 +303,8 @@ where
             };
             *carried = Carried { now, before: carried.now, acceleration };
             rigid.pose = rigid.pose_of(&now);
+            let (rates, MountPush { velocities, change, .. }) = (rigid.pose.rates(), &mut rigid.push);
+            (0..6).for_each(|i| change[i] += dt * (rates[i] - velocities[i]));
         }
     }
 
@@ -462,16 +473,14 @@ where
         }
     }
 
-    /// Add the push of rods and wings to the drag.
+    /// Add the push of contact to the drag.
     fn add_push(&self, drag: &mut Drag<D>) {
-        let MountPush { load, velocities } = &self.push;
+        let MountPush { load, velocities, .. } = &self.push;
         let predicted = self.pose.rates();
         let change = |row: &Freedoms| (0..6).map(|j| row[j] * (velocities[j] - predicted[j])).sum::<f64>();
         let (force, moment) = split::<D>(&load.impedance.each_ref().map(change));
-        drag.force = drag.force.plus(&load.force).plus(&Force { force, moment });
-        drag.impedance.iter_mut().zip(&load.impedance).for_each(|(row, own)| {
-            row.iter_mut().zip(own).for_each(|(entry, own)| *entry += own);
-        });
+        add_load(drag, load);
+        drag.force = drag.force.plus(&Force { force, moment });
     }
 
     /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at
@@ -500,6 +509,17 @@ where
         let (gravity, carrying) = (Vector::from(mount.gravity), if self.is_thin() { 0.0 } else { fluid.mass });
         join::<D>(&(gravity * (mount.mass - carrying)), <[f64; D]>::cross(&fluid.arm, &(gravity * -carrying)))
     }
+}
+
+/// Add another load on the same body.
+fn add_load<const D: usize>(load: &mut Drag<D>, other: &Drag<D>)
+where
+    [f64; D]: Space<D>,
+{
+    load.force = load.force.plus(&other.force);
+    load.impedance.iter_mut().zip(&other.impedance).for_each(|(row, own)| {
+        row.iter_mut().zip(own).for_each(|(entry, own)| *entry += own);
+    });
 }
 
 /// Return the velocity of a point at `arm` (m) from the pivot for velocities along the freedoms.

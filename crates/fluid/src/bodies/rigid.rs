@@ -35,7 +35,7 @@ where
     pub cells: Cells<D>,
     /// What the present step found, of a body that it put to a predicted place.
     pub spring_motion: Option<SpringMotion<D>>,
-    /// What rods and wings do to it in the coming step.
+    /// What contact does to it in the coming step.
     pub push: MountPush<D>,
     /// Whether its mount, if it has one, lets it move in the present step.
     is_free: bool,

@@ -62,7 +62,7 @@ where
     /// Make the end of the step, which has the coefficients `c` of the backward differences, the present time.
     pub fn commit(&self, c: [f64; 3], present: &mut Present<D>, bodies: &mut Bodies<D>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        bodies.commit(self.displacements, c, &mut present.carried);
+        bodies.commit(self.displacements, self.dt, c, &mut present.carried);
         Stations::copy_all(&mut present.flexible.stations, self.stations);
     }
 }

@@ -492,6 +492,16 @@ where
         }
     }
 
+    /// Return the change of the velocity (m/s) of a node by which a flexible body, with these rates of the fluid and of
+    /// contact (kg/s) there, lowered its load of contact in the step of `h` seconds that has been settled.
+    pub fn taken(&self, h: f64, number: usize, node: usize, rates: [f64; 2], change: Vector<D>) -> Vector<D> {
+        let place = self.flexible.iter().position(|known| *known == number);
+        match place.map(|place| &self.bodies[place].facing) {
+            Some(Facing::Surface(_, Some(FlexibleSurface { taken, .. }))) => taken.of_contact(h, node, rates, change),
+            _ => change,
+        }
+    }
+
     /// Write the pressure jumps and the shear stresses of each line in the plane and surface in space at its stations, Pa,
     /// in a step of `dt` seconds from the stations `before`; both have a list for each flexible body.
     pub fn write_stresses(

@@ -48,6 +48,25 @@ impl Taken {
     }
 }
 
+impl Taken {
+    /// Return the part of a change of the velocity of a node that lowers a load of contact, see
+    /// [`super::ThinBodies::taken`], with the normals of [`Self::sum`]: along the surface a node answers to the rate of its
+    /// layer at most.
+    pub fn of_contact<const D: usize>(
+        &self,
+        h: f64,
+        node: usize,
+        [of_fluid, of_contact]: [f64; 2],
+        change: Vector<D>,
+    ) -> Vector<D> {
+        let (normal, before) = self.layer.rate(node, of_fluid, h);
+        let (_, all) = self.layer.rate(node, of_fluid + of_contact, h);
+        let normal = Vector::<D>::from_fn(|axis, _| normal[axis]);
+        let across = normal * (normal.dot(&change) / normal.norm_squared().max(f64::MIN_POSITIVE));
+        across + (change - across) * ((all - before) / of_contact.max(f64::MIN_POSITIVE))
+    }
+}
+
 /// Add a force (N) and a moment about the origin to the loads on some stations, as a rigid motion of their impedance.
 pub fn pay<const D: usize>(owed: &Freedoms, stations: &Stations<D>, loads: &mut Loads<D>)
 where

@@ -182,6 +182,7 @@ fn two_lines(heights: [f64; 2], contact: Option<f64>, ratio: f64, communication_
         periods: [2.0, 3.0],
         flexible_stiffness: stiffness,
         skins: [MASS, ratio * MASS].map(|mass| Some(skin(mass))).into(),
+        carrier: None,
     });
     parameters
 }
@@ -272,6 +273,7 @@ fn two_rods_that_cross_carry_a_load_by_halves() {
         periods: [1.6; 3],
         flexible_stiffness: f64::INFINITY,
         skins: vec![skin(), skin()],
+        carrier: None,
     });
     let start = [height, -height];
     let outer = |k: usize, z: f64, v: f64| [-load, 0.0][k] - spring * (z - start[k]) - 3.0 * v;
@@ -325,6 +327,7 @@ fn the_fluid_keeps_wings_of_two_units_and_a_rod_apart() {
             periods: [1.6, 1.6, 3.2],
             flexible_stiffness: f64::INFINITY,
             skins,
+            carrier: None,
         });
         let (masses, mut least) = ([0.36 * MASS, length * MASS], f64::INFINITY);
         let start = [[0.3, -0.3], [-1.0, 0.0]];
