@@ -122,3 +122,35 @@ def test_a_filament_that_heaves_swims(tmp_path):
     force, load = driven["root_force_x"][late].mean(), np.ptp(driven["load_x"][late]) / 2
     assert abs(force) < 0.01 * load, (force, load)
     assert np.abs(driven["tip_uy"] - free["tip_uy"]).max() < 0.01
+
+
+SAGGING = {
+    "name": "sagging",
+    "time": {"end": 12.0, "communication_step": 0.01},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.1,
+        "box": {"x": [-1.0, 2.0], "y": [-1.0, 1.0], "cells": [60, 40]},
+        "mean_flow": {},
+        "mask": {"log_linear": {"c_eta": 1e-5}},
+        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+    },
+    "beam": {
+        "root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}},
+        "length": 1.0,
+        "thickness": 0.08,
+        "segments": 16,
+        "surface": "line",
+    },
+}
+"""A clamped line in still fluid, of which 0.073 kg/m moves with it."""
+
+
+@pytest.mark.parametrize(("load", "mass"), [("momentum", 0.5), ("momentum", 0.05), ("pressure_jump", 0.5)])
+def test_a_line_in_the_plane_sags_under_its_whole_weight(load, mass, tmp_path):
+    """A line displaces no fluid. A light one is not thrown in its first step, before the loads tell of the fluid."""
+    section = {"line_density": mass, "bending_stiffness": 0.5, "axial_stiffness": 1e4}
+    rod = {"material": {"section": section}, "scheme": "bdf2", "gravity": [0.0, -0.05]}
+    run = nervure.run(validate(SAGGING | {"rod": rod, "coupling": {"load": load}}), tmp_path, quiet=True)
+    assert run.series["tip_uy"][-1] == pytest.approx(-mass * 0.05 / 8 / 0.5, rel=0.01)
+    assert abs(run.series["tip_vy"][1]) < 1.5 * 0.05 * 0.01
