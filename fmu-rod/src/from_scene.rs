@@ -16,6 +16,7 @@ pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) 
         section: rod.material.section(&beam.thickness, 0.0),
         displaced: displaced[0],
         displaced_weighs: beam.surface == Surface::Line || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()),
+        buoyant: scene.buoyant_line_density(beam),
         taper: taper(beam, &rod.material, &displaced),
         strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
         gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),

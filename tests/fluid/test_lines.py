@@ -1,4 +1,4 @@
-"""Beams and rigid bodies that the fluid meets as lines."""
+"""Beams and rigid bodies that the fluid meets as lines, and the weight of lines and masks."""
 
 import numpy as np
 import pytest
@@ -154,3 +154,16 @@ def test_a_line_in_the_plane_sags_under_its_whole_weight(load, mass, tmp_path):
     run = nervure.run(validate(SAGGING | {"rod": rod, "coupling": {"load": load}}), tmp_path, quiet=True)
     assert run.series["tip_uy"][-1] == pytest.approx(-mass * 0.05 / 8 / 0.5, rel=0.01)
     assert abs(run.series["tip_vy"][1]) < 1.5 * 0.05 * 0.01
+
+
+@pytest.mark.parametrize(("load", "mass"), [("momentum", 0.6), ("pressure_jump", 0.6), ("pressure_jump", 0.1)])
+def test_the_fluid_carries_a_mask_by_its_weight(load, mass, tmp_path):
+    """Whatever the load: 0.2 kg/m of fluid are inside the mask, in which a lighter bar rises."""
+    section = {"line_density": mass, "bending_stiffness": 0.5, "axial_stiffness": 1e4}
+    rod = {"material": {"section": section}, "scheme": "bdf2", "gravity": [0.0, -0.05], "damping": 0.5}
+    fluid = SAGGING["fluid"] | {"kinematic_viscosity": 0.2, "mask": {"log_linear": {"c_eta": 1e-4}}}
+    fluid |= {"box": SAGGING["fluid"]["box"] | {"cells": [45, 30]}}
+    time, beam = {"end": 16.0, "communication_step": 0.02}, SAGGING["beam"] | {"thickness": 0.2, "surface": "mask"}
+    bar = SAGGING | {"time": time, "fluid": fluid, "beam": beam, "rod": rod, "coupling": {"load": load}}
+    run = nervure.run(validate(bar), tmp_path, quiet=True)
+    assert run.series["tip_uy"][-1] == pytest.approx(-(mass - 0.2) * 0.05 / 8 / 0.5, rel=0.02)
