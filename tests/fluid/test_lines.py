@@ -167,3 +167,22 @@ def test_the_fluid_carries_a_mask_by_its_weight(load, mass, tmp_path):
     bar = SAGGING | {"time": time, "fluid": fluid, "beam": beam, "rod": rod, "coupling": {"load": load}}
     run = nervure.run(validate(bar), tmp_path, quiet=True)
     assert run.series["tip_uy"][-1] == pytest.approx(-(mass - 0.2) * 0.05 / 8 / 0.5, rel=0.02)
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.1])
+@pytest.mark.parametrize("shape", [{"plate": {"length": 1.0}}, {"disk": {"radius": 0.5}}], ids=["plane", "space"])
+def test_a_thin_body_falls_along_itself_with_gravity(shape, mass, tmp_path):
+    """The fluid slides along it, and none of it belongs to the body: a plate fell at up to seven times gravity."""
+    axes = "xyz" if "disk" in shape else "xy"
+    down = [-1.0, 0.0, 0.0][: len(axes)]
+    mount = {"mass": mass, "gravity": down, "x": {}}
+    fluid = SAGGING["fluid"] | {
+        "kinematic_viscosity": 1e-3,
+        "box": {axis: [-1.5, 1.5] for axis in axes} | {"cells": [36] * len(axes)},
+        "bodies": [{"shape": shape, "position": [0.03, 0.01, 0.02][: len(axes)], "mount": mount}],
+        "time_stepping": {"max_step": 0.002, "max_cfl": 0.4},
+    }
+    scene = {"name": "falling", "time": {"end": 0.02, "communication_step": 0.002}, "fluid": fluid}
+    series = nervure.run(validate(scene), tmp_path, quiet=True).series
+    assert series["body_1_vx"][-1] / series["time"][-1] == pytest.approx(-1.0, abs=0.04)
+    assert series["drag"][-1] == pytest.approx(0.0, abs=0.05 * mass)
