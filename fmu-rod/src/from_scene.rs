@@ -1,7 +1,7 @@
 //! Conversion of a scene to the parameters and loads of a rod.
 
 use rod::{Loads, Parameters, RootSupport, Slide, Taper};
-use scene::{Beam, Load, Material, Scene};
+use scene::{Beam, Load, Material, Scene, Surface};
 
 /// Return the parameters of the rod of a scene, without contact.
 pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
@@ -15,7 +15,8 @@ pub fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) 
         rest_angles: beam.rest_angles.clone(),
         section: rod.material.section(&beam.thickness, 0.0),
         displaced: displaced[0],
-        displaced_weighs: scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()),
+        displaced_weighs: beam.surface == Surface::Line || scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()),
+        buoyant: scene.buoyant_line_density(beam),
         taper: taper(beam, &rod.material, &displaced),
         strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
         gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),

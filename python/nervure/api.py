@@ -122,7 +122,9 @@ class Run(results.Results):
         return plots.over_time({self.scene.name: self}, names, benchmark.reference(self.scene))
 
     def _require(self, names: Iterable[str]) -> None:
-        """Raise `InputError` where one of `names` was not recorded."""
+        """Raise `InputError` where there are no `names`, or one was not recorded."""
+        if not names:
+            raise InputError(f"there is no column to draw: {hint('', self.series)}")
         for name in names:
             if name not in self.series:
                 raise InputError(f"{name} was not recorded: {hint(name, self.series)}")
@@ -161,11 +163,12 @@ def _prepare_notebook() -> None:
         select_figure_formats(shell, {"png"})
 
 
-def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
+def compare(*runs: Run, names: str | Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
     """Draw the columns `names` of several runs over each other, labelled by their folders; a column in several units
     has axes for each."""
     if not runs:
         raise InputError("there is no run to draw")
+    names = [names] if isinstance(names, str) else names
     for run in runs:
         run._require(names)
     _prepare_notebook()

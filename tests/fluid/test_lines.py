@@ -1,4 +1,4 @@
-"""Beams and rigid bodies that the fluid meets as lines."""
+"""Beams and rigid bodies that the fluid meets as lines, and the weight of lines and masks."""
 
 import numpy as np
 import pytest
@@ -122,3 +122,67 @@ def test_a_filament_that_heaves_swims(tmp_path):
     force, load = driven["root_force_x"][late].mean(), np.ptp(driven["load_x"][late]) / 2
     assert abs(force) < 0.01 * load, (force, load)
     assert np.abs(driven["tip_uy"] - free["tip_uy"]).max() < 0.01
+
+
+SAGGING = {
+    "name": "sagging",
+    "time": {"end": 12.0, "communication_step": 0.01},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.1,
+        "box": {"x": [-1.0, 2.0], "y": [-1.0, 1.0], "cells": [60, 40]},
+        "mean_flow": {},
+        "mask": {"log_linear": {"c_eta": 1e-5}},
+        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+    },
+    "beam": {
+        "root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}},
+        "length": 1.0,
+        "thickness": 0.08,
+        "segments": 16,
+        "surface": "line",
+    },
+}
+"""A clamped line in still fluid, of which 0.073 kg/m moves with it."""
+
+
+@pytest.mark.parametrize(("load", "mass"), [("momentum", 0.5), ("momentum", 0.05), ("pressure_jump", 0.5)])
+def test_a_line_in_the_plane_sags_under_its_whole_weight(load, mass, tmp_path):
+    """A line displaces no fluid. A light one is not thrown in its first step, before the loads tell of the fluid."""
+    section = {"line_density": mass, "bending_stiffness": 0.5, "axial_stiffness": 1e4}
+    rod = {"material": {"section": section}, "scheme": "bdf2", "gravity": [0.0, -0.05]}
+    run = nervure.run(validate(SAGGING | {"rod": rod, "coupling": {"load": load}}), tmp_path, quiet=True)
+    assert run.series["tip_uy"][-1] == pytest.approx(-mass * 0.05 / 8 / 0.5, rel=0.01)
+    assert abs(run.series["tip_vy"][1]) < 1.5 * 0.05 * 0.01
+
+
+@pytest.mark.parametrize(("load", "mass"), [("momentum", 0.6), ("pressure_jump", 0.6), ("pressure_jump", 0.1)])
+def test_the_fluid_carries_a_mask_by_its_weight(load, mass, tmp_path):
+    """Whatever the load: 0.2 kg/m of fluid are inside the mask, in which a lighter bar rises."""
+    section = {"line_density": mass, "bending_stiffness": 0.5, "axial_stiffness": 1e4}
+    rod = {"material": {"section": section}, "scheme": "bdf2", "gravity": [0.0, -0.05], "damping": 0.5}
+    fluid = SAGGING["fluid"] | {"kinematic_viscosity": 0.2, "mask": {"log_linear": {"c_eta": 1e-4}}}
+    fluid |= {"box": SAGGING["fluid"]["box"] | {"cells": [45, 30]}}
+    time, beam = {"end": 16.0, "communication_step": 0.02}, SAGGING["beam"] | {"thickness": 0.2, "surface": "mask"}
+    bar = SAGGING | {"time": time, "fluid": fluid, "beam": beam, "rod": rod, "coupling": {"load": load}}
+    run = nervure.run(validate(bar), tmp_path, quiet=True)
+    assert run.series["tip_uy"][-1] == pytest.approx(-(mass - 0.2) * 0.05 / 8 / 0.5, rel=0.02)
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.1])
+@pytest.mark.parametrize("shape", [{"plate": {"length": 1.0}}, {"disk": {"radius": 0.5}}], ids=["plane", "space"])
+def test_a_thin_body_falls_along_itself_with_gravity(shape, mass, tmp_path):
+    """The fluid slides along it, and none of it belongs to the body: a plate fell at up to seven times gravity."""
+    axes = "xyz" if "disk" in shape else "xy"
+    down = [-1.0, 0.0, 0.0][: len(axes)]
+    mount = {"mass": mass, "gravity": down, "x": {}}
+    fluid = SAGGING["fluid"] | {
+        "kinematic_viscosity": 1e-3,
+        "box": {axis: [-1.5, 1.5] for axis in axes} | {"cells": [36] * len(axes)},
+        "bodies": [{"shape": shape, "position": [0.03, 0.01, 0.02][: len(axes)], "mount": mount}],
+        "time_stepping": {"max_step": 0.002, "max_cfl": 0.4},
+    }
+    scene = {"name": "falling", "time": {"end": 0.02, "communication_step": 0.002}, "fluid": fluid}
+    series = nervure.run(validate(scene), tmp_path, quiet=True).series
+    assert series["body_1_vx"][-1] / series["time"][-1] == pytest.approx(-1.0, abs=0.04)
+    assert series["drag"][-1] == pytest.approx(0.0, abs=0.05 * mass)

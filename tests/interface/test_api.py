@@ -91,6 +91,9 @@ def test_what_cannot_be_used_is_refused(falling, tmp_path):
 def test_a_quantity_that_was_not_recorded_is_said(falling, tmp_path):
     with pytest.raises(nervure.InputError, match="lift was not recorded: there are time, .*tip_uy"):
         nervure.run(falling, tmp_path, quiet=True).plot("lift")
+    with pytest.raises(nervure.InputError, match="there is no column to draw: there are time, .*tip_uy"):
+        nervure.read(tmp_path).plot()
+    assert nervure.compare(nervure.read(tmp_path), names="tip_uy").axes
 
 
 def test_a_run_that_failed_gives_what_there_was_before(small_fsi3, tmp_path):

@@ -162,6 +162,7 @@ def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, t
         ({"parameters": ["mesh"]}, "there is nothing to vary in falling-rod"),
         ({"parameters": ["colour"]}, "`colour` is unknown: there are cells, segments"),
         ({"quantities": ["tip_u"]}, "the quantity `tip_u` is not in the results"),
+        ({"quantities": ["wall_s"]}, "`wall_s` is not in the results: there are tip_ux, tip_uy"),
         ({"within": 0.0}, "within is 0.0, but must be a number above 0"),
     ],
 )

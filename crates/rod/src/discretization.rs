@@ -88,11 +88,17 @@ impl<const D: usize> Parameters<D> {
 
     /// Return the mass of each node on which gravity acts, kg: `[n + 1]`.
     pub(crate) fn weights(&self) -> Vec<f64> {
-        if !self.displaced_weighs {
-            return self.masses();
+        let mut weights = if self.displaced_weighs {
+            let taper = Taper { displaced: Vec::new(), ..self.taper.clone() };
+            Self { displaced: 0.0, taper, ..self.clone() }.masses()
+        } else {
+            self.masses()
+        };
+        if !self.buoyant.is_empty() {
+            let buoyant = self.integrals(|i| self.buoyant[i]);
+            weights.iter_mut().zip(buoyant).for_each(|(weight, fluid)| *weight -= fluid);
         }
-        let taper = Taper { displaced: Vec::new(), ..self.taper.clone() };
-        Self { displaced: 0.0, taper, ..self.clone() }.masses()
+        weights
     }
 
     /// Return the mass of each node, with the mass of a slide, less the mass of the fluid it displaces, kg: `[n + 1]`.
@@ -118,14 +124,19 @@ impl<const D: usize> Parameters<D> {
         let own = |i: usize| {
             (self.section.line_density * Taper::at(line_density, i) - self.displaced * Taper::at(displaced, i)).max(0.0)
         };
+        self.integrals(own)
+    }
+
+    /// Return the integrals of a profile, by the place from 0 to 2 n, times the hat function of each node: `[n + 1]`.
+    fn integrals(&self, profile: impl Fn(usize) -> f64) -> Vec<f64> {
         let part = self.segment_length() / 6.0;
-        let mut masses = vec![0.0; self.segments + 1];
+        let mut integrals = vec![0.0; self.segments + 1];
         for j in 0..self.segments {
-            let [start, middle, end] = [0, 1, 2].map(|i| own(2 * j + i));
-            masses[j] += part * (start + 2.0 * middle);
-            masses[j + 1] += part * (2.0 * middle + end);
+            let [start, middle, end] = [0, 1, 2].map(|i| profile(2 * j + i));
+            integrals[j] += part * (start + 2.0 * middle);
+            integrals[j + 1] += part * (2.0 * middle + end);
         }
-        masses
+        integrals
     }
 
     /// Return the length of rod that belongs to each node, m: `[n + 1]`.

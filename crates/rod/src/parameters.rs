@@ -41,6 +41,9 @@ pub struct Parameters<const D: usize> {
     pub displaced: f64,
     /// Whether gravity acts on the displaced mass too: on a line, which displaces no fluid, it is a mass of the rod.
     pub displaced_weighs: bool,
+    /// Mass per length of the fluid that carries the rod by its weight alone, kg/m: `[2 n + 1]` as in a [`Taper`], and
+    /// empty where `displaced` has it.
+    pub buoyant: Vec<f64>,
     /// Profiles of section and displaced fluid along the rod.
     pub taper: Taper,
     /// Axial strain under a pressure from all sides, 1/Pa: (1 + ν)(1 − 2ν)/E in plane strain; 0 ignores the pressure.
@@ -79,6 +82,7 @@ impl<const D: usize> Parameters<D> {
             section,
             displaced: 0.0,
             displaced_weighs: false,
+            buoyant: Vec::new(),
             taper: Taper::default(),
             strain_per_pressure: 0.0,
             gravity: [0.0; D],
@@ -123,6 +127,10 @@ impl<const D: usize> Parameters<D> {
             return Err(Error::value("segments", self.segments, "at least 2"));
         }
         self.contact.as_ref().map_or(Ok(()), |contact| contact.check(self.segments + 1))?;
+        structure::finite("buoyant", &self.buoyant)?;
+        if !(self.buoyant.is_empty() || self.buoyant.len() == 2 * self.segments + 1) {
+            return Err(Error::value("buoyant", self.buoyant.len(), "empty or of 2 n + 1 numbers"));
+        }
         self.check_taper()?;
         self.check_support()?;
         if let Some(shear) = self.section.shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {

@@ -1,6 +1,6 @@
 //! The rod: parameters, state, loads and results.
 
-use structure::{Core, Loads, Statistics, Structure, Vector};
+use structure::{Core, Loads, Statistics, Structure, Vector, first_weight};
 
 use crate::Error;
 use crate::base_motion::{BaseMotion, BaseState};
@@ -72,13 +72,16 @@ impl<const D: usize> Rod<D> {
         let shear = parameters.section.shear_stiffness.is_some();
         let weights = parameters.weights();
         let gravity = Vector::from(parameters.gravity);
-        let core = Core::new(
+        let masses = parameters.masses();
+        let mut core = Core::new(
             RodState::at_rest(rest, own),
             (0..=segments).map(|k| k < first).collect(),
             weights.iter().map(|weight| gravity * *weight).collect(),
             parameters.scheme,
             parameters.max_step,
         );
+        let parts = masses.iter().zip(&weights).map(|(own, whole)| first_weight(*own, whole - own));
+        core.first_weights = parts.collect();
         let mut rod = Self {
             loads: Loads::default(),
             base_motion: None,
@@ -86,7 +89,7 @@ impl<const D: usize> Rod<D> {
             core,
             elastic: parameters.elastic(direction),
             tributary: parameters.tributary(),
-            masses: parameters.masses(),
+            masses,
             weights,
             newton: Newton::new(segments, length, attachment.amax() + length, shear, first, slide)
                 .with_contact(contact),

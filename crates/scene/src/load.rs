@@ -69,6 +69,17 @@ impl Scene {
         }
     }
 
+    /// Return the mass of the fluid inside the mask at the places of a beam, as above, where it carries the rod by its
+    /// weight but is not in the load: with the pressure jump. Empty elsewhere; a line displaces nothing.
+    pub fn buoyant_line_density(&self, beam: &Beam) -> Vec<f64> {
+        match (self.load(), &self.fluid, beam.surface) {
+            (Some(Load::PressureJump), Some(fluid), Surface::Mask) => {
+                beam.places().map(|s| fluid.density * beam.thickness.at(s)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// Return whether the pressure around the rods strains them along their axis.
     pub fn axial_pressure_strain(&self) -> bool {
         self.coupling.as_ref().is_some_and(|coupling| coupling.axial_pressure_strain)

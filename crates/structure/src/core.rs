@@ -19,6 +19,10 @@ pub struct Core<const D: usize, M> {
     pub carried: bool,
     /// Weights, N.
     pub weights: Vec<Vector<D>>,
+    /// Parts of the weights that act before the loads tell of the fluid that moves with the nodes; all, where empty.
+    pub first_weights: Vec<f64>,
+    /// Whether these parts alone act.
+    starts: bool,
     /// State.
     pub state: State<D, M>,
     /// State before the step.
@@ -49,6 +53,12 @@ pub struct Core<const D: usize, M> {
     velocities: Vec<f64>,
 }
 
+/// Return the part of the weight of a node of the mass `own`, kg, besides `moving`, kg, of the fluid that moves with it,
+/// with which it starts: a node lighter than the fluid at gravity times its whole mass over that of the fluid.
+pub fn first_weight(own: f64, moving: f64) -> f64 {
+    if own < moving { own / moving } else { 1.0 }
+}
+
 impl<const D: usize, M: Clone> Core<D, M> {
     /// Return the structure at rest in the state `state`, with the nodes that `held` tells and the `weights`, N.
     pub fn new(
@@ -67,6 +77,8 @@ impl<const D: usize, M: Clone> Core<D, M> {
             held,
             carried: false,
             weights,
+            first_weights: vec![],
+            starts: false,
             before: state.clone(),
             before_substep: state.clone(),
             state,
@@ -120,6 +132,7 @@ impl<const D: usize, M: Clone> Core<D, M> {
     pub fn collect<F>(&mut self, loads: &Loads) -> Result<(), Error<F>> {
         let nodes = self.rest.len();
         loads.check::<D, F>(nodes)?;
+        self.starts = false;
         self.force.copy_from_slice(&self.weights);
         if !loads.force.is_empty() {
             for (d, component) in loads.force.chunks_exact(nodes).enumerate() {
@@ -131,6 +144,23 @@ impl<const D: usize, M: Clone> Core<D, M> {
             false => self.impedance.copy_from_slice(&loads.impedance),
         }
         Ok(())
+    }
+
+    /// Weigh the nodes in a first step by the mass that they have without the fluid that moves with them: without an
+    /// impedance the loads do not tell of its inertia yet, and all of the weight would throw what is light.
+    pub fn weigh_first(&mut self) {
+        let tell = self.impedance.iter().any(|&impedance| impedance > 0.0);
+        self.starts = !(self.first_weights.is_empty() || self.carried || self.state.last_step > 0.0 || tell);
+        if self.starts {
+            for ((force, weight), part) in self.force.iter_mut().zip(&self.weights).zip(&self.first_weights) {
+                *force -= weight * (1.0 - part);
+            }
+        }
+    }
+
+    /// Return the weight of node `k` in the present step, N.
+    pub fn weight(&self, k: usize) -> Vector<D> {
+        if self.starts { self.weights[k] * self.first_weights[k] } else { self.weights[k] }
     }
 
     /// Return the rule that replaces TR-BDF2 and BDF2 in a sub-step of `dt` (s) in which the structure may touch anything:

@@ -25,7 +25,7 @@ mod step;
 mod vector;
 
 pub use crate::check::{check_law, finite, not_negative, positive};
-pub use crate::core::Core;
+pub use crate::core::{Core, first_weight};
 pub use crate::cubic::cubic;
 pub use crate::error::{Error, Shown};
 pub use crate::loads::Loads;

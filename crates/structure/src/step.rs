@@ -115,6 +115,7 @@ pub fn step<const D: usize, S: Structure<D>>(structure: &mut S, duration: f64) -
     let base = structure.next_base()?;
     structure.collect_loads()?;
     let core = structure.core_mut();
+    core.weigh_first();
     core.before.copy_from(&core.state);
     core.statistics = Statistics::default();
     let result = advance(structure, duration, steps as u64, &base);

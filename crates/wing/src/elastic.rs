@@ -232,6 +232,11 @@ impl Elastic {
         Ok(Energy { stretching, bending, veins, ..Energy::default() })
     }
 
+    /// Return the sum of the tension at rest over the area, J.
+    pub(crate) fn tension_energy(&self) -> f64 {
+        self.faces.iter().map(Face::tension_energy).sum()
+    }
+
     /// Write ∂U/∂x plus the viscous forces in the shape `x` that moves at `v` to `gradient`, N: `[nodes]`.
     pub(crate) fn gradient(&mut self, x: &[Vector], v: &[Vector], gradient: &mut [Vector]) -> Result<(), WingError> {
         let rates = self.rates(v);

@@ -141,6 +141,11 @@ impl Face {
         self.area * (0.5 * work + self.tension * (strain[0] + strain[1]))
     }
 
+    /// Return the tension at rest times the area, J.
+    pub(crate) fn tension_energy(&self) -> f64 {
+        self.area * self.tension.abs()
+    }
+
     /// Return F and the stress S + τ C : E', N/m, of the shape `x` that moves at `v`.
     #[inline(always)]
     pub(crate) fn stress(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> ([Vector; 2], [f64; 3]) {

@@ -10,6 +10,9 @@ use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
 const MOST_GAIN: f64 = 0.01;
 /// Motion in a step, by the extent of the wing, below which energies are rounding.
 const QUIET: f64 = 1e-10;
+/// Change of an energy that is rounding, by the work of loads and tension over the largest coordinate: the rounding
+/// of a coordinate, in a sum over some hundred edges that are each a tenth of the wing long.
+const ROUNDING: f64 = 1e-13;
 /// Maximum number of iterations for the first accelerations; the mass matrix needs about twenty.
 const MASS_ITERATIONS: usize = 200;
 /// Tolerance of the first accelerations.
@@ -51,7 +54,7 @@ impl Structure<3> for Wing {
     }
 
     fn load(&self, k: usize) -> Vector {
-        self.core.force[k] - self.core.weights[k]
+        self.core.force[k] - self.core.weight(k)
     }
 
     fn prepare(&mut self, base: &RigidMotion, duration: f64) -> Result<(), Error> {
@@ -61,10 +64,15 @@ impl Structure<3> for Wing {
         self.slide(duration);
         self.energy_before = None;
         if self.has_no_drive(base) {
-            let rest = &self.core.rest;
+            let energy = self.energy()?;
+            let Core { rest, state, force, .. } = &self.core;
             let extent = rest.iter().map(|x| (x - rest[0]).norm()).fold(0.0, f64::max);
-            let rounding = 0.5 * self.masses.iter().sum::<f64>() * (QUIET * extent / duration).powi(2);
-            self.energy_before = Some(EnergyBefore { energy: self.energy()?, rounding });
+            let motion = 0.5 * self.masses.iter().sum::<f64>() * (QUIET * extent / duration).powi(2);
+            let farthest = state.positions.iter().map(Vector::amax).fold(extent, f64::max);
+            let forces = force.iter().map(Vector::norm).sum::<f64>() + self.elastic.tension_energy() / extent;
+            let stored = (energy.stretching + energy.bending + energy.veins).abs();
+            let rounding = motion + ROUNDING * (forces * farthest + stored);
+            self.energy_before = Some(EnergyBefore { energy, rounding });
         }
         Ok(())
     }
@@ -346,7 +354,7 @@ impl Wing {
         for k in 0..core.rest.len() {
             let moved = ends[1].positions[k] - ends[0].positions[k];
             let [first, last] = ends
-                .map(|state| (state.loads[k] - core.weights[k] - core.resistance(k, &state.velocities[k])).dot(&moved));
+                .map(|state| (state.loads[k] - core.weight(k) - core.resistance(k, &state.velocities[k])).dot(&moved));
             most += first.max(last);
             sum += first.abs().max(last.abs());
         }

@@ -3,7 +3,7 @@
 use ::contact::Pose;
 use ::geometry::Crossings;
 use mesh::Layer;
-use structure::{Core, Loads, Statistics, Structure};
+use structure::{Core, Loads, Statistics, Structure, first_weight};
 
 use crate::Error;
 use crate::base::{Memory, RigidMotion, WingState};
@@ -101,6 +101,15 @@ impl Wing {
             parameters.scheme,
             parameters.max_step,
         );
+        if parameters.displaced_density > 0.0 {
+            elastic.mass_times(&ones, &mut product);
+            let mut moving = vec![0.0; nodes];
+            for face in &elastic.faces {
+                face.nodes.iter().for_each(|&k| moving[k] += face.area * parameters.displaced_density / 3.0);
+            }
+            core.first_weights =
+                product.iter().zip(&moving).map(|(own, &moving)| first_weight(own.x, moving)).collect();
+        }
         (core.across, core.balance.across) = (vec![Vector::zeros(); nodes], vec![Vector::zeros(); nodes]);
         Ok(Self {
             loads: Loads::default(),

@@ -20,7 +20,7 @@ from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
 from nervure.verification.estimate import bars, combine, estimate, noise_of
-from nervure.verification.plan import ROOT2, Factors, Parameter, Plan, Setting
+from nervure.verification.plan import PARAMETERS, ROOT2, Factors, Parameter, Plan, Setting
 
 START = 3.0  # Wall time that workers take to start, s, until it is measured
 WORTH = 3  # Ratio to it of the wall time of runs from which on workers make them, not this process in turn
@@ -30,6 +30,8 @@ LEAST = 3  # Runs of the first parameter that are enough
 ROUNDS = 10  # Most rounds of a verification
 TRIED = 0.15  # Wall time of the steps that measure the pace, s
 TOPS = [2 ** (i / 4) for i in range(9)]  # Sizes of the finest run where the scene itself costs too much
+EFFORT = ("wall_s", "cpu_s", "simulated_s", "iterations_mean", "amplitude_drift", *(one.name for one in PARAMETERS))
+"""Numbers of a run that are no results."""
 MINOR = 0.01  # Part of the largest quantity of its unit below which one is left out
 MEAN = 0.1  # The same of a mean beside its own amplitude
 UNSETTLED = 0.3  # Part by which an amplitude changes over the window from which on a swing has no limit
@@ -505,11 +507,11 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
         if swings:
             regular = wanted or (name == main and quantity.state in ("periodic", "drifting"))
             found += [f"{name}_amplitude", *([f"{name}_frequency_hz"] if regular else [])]
+    numbers = [key for key, value in row.items() if isinstance(value, int | float) and key not in EFFORT]
     for name in wanted:
-        if name in row and name not in found:
-            found += [name] if isinstance(row[name], int | float) else []
+        if name in numbers and name not in found:
+            found.append(name)
         elif name not in summary.quantities and name not in found:
-            numbers = [key for key, value in row.items() if isinstance(value, float)]
             raise InputError(
                 f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
             )

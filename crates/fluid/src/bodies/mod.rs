@@ -238,16 +238,34 @@ where
     }
 
     /// Let a thin body on springs move under a drag, as [`Self::solve_springs`] does; return the change of its
-    /// velocities along the freedoms, none if it is not on springs.
+    /// velocities along the freedoms, none if it is not on springs. `sliding` is the part of the displaced fluid, as a
+    /// matrix along the freedoms, that does not move with it.
     pub fn solve_springs_of(
         &mut self,
         rigid: usize,
         c: [f64; 3],
         carried: &[Carried<D>],
-        drag: &Drag<D>,
+        mut drag: Drag<D>,
+        sliding: &[Freedoms; 6],
     ) -> Option<Freedoms> {
         let place = self.carried().position(|(own, _)| own == rigid)?;
-        self.rigid[rigid].solve_springs(c, &carried[place], self.density, drag)
+        let (own, carried) = (&mut self.rigid[rigid], &carried[place]);
+        let inertia = |acceleration: &Freedoms| {
+            let row = |row: &Freedoms| -row.iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>();
+            let (force, moment) = split::<D>(&sliding.each_ref().map(row));
+            Force { force, moment }
+        };
+        let (predicted, now, before) = (own.pose.rates(), carried.now.rates(), carried.before.rates());
+        let expected = std::array::from_fn(|i| c[0] * predicted[i] - c[1] * now[i] - c[2] * before[i]);
+        drag.force = drag.force.plus(&inertia(&expected));
+        for (row, sliding) in drag.impedance.iter_mut().zip(sliding) {
+            row.iter_mut().zip(sliding).for_each(|(entry, mass)| *entry += c[0] * mass);
+        }
+        let change = own.solve_springs(c, carried, self.density, &drag)?;
+        if let Some(found) = &mut own.spring_motion {
+            found.unsteady = found.unsteady.plus(&inertia(&found.acceleration));
+        }
+        Some(change)
     }
 
     /// Return the load of the next step on body `k`, if it is announced.

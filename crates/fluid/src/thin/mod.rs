@@ -378,7 +378,10 @@ where
             let force = thin.force(&centre, &self.drag, self.density).0;
             let MarkerDrag { markers, force: on_markers, .. } = &mut self.drag;
             let drag = rigid::drag(force, own.clone(), &centre, markers, &self.responses, self.density);
-            if let Some(change) = bodies.solve_springs_of(thin.number, c, carried, &drag) {
+            let layer: f64 = own.clone().map(|k| markers.get(k).layer).sum();
+            let share = bodies.rigid[thin.number].displaced_mass(1.0).mass / layer;
+            let sliding = rigid::sliding(own.clone(), &centre, markers, self.density * share);
+            if let Some(change) = bodies.solve_springs_of(thin.number, c, carried, drag, &sliding) {
                 rigid::change(&change, own, &centre, &self.responses, markers, on_markers);
             }
         }

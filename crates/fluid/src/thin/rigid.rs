@@ -92,6 +92,31 @@ where
     Drag { force, impedance }
 }
 
+/// Return the matrix along the freedoms of a share of the layer of some markers that moves along the body, kg: the fluid
+/// slides there and does not take it along.
+pub fn sliding<const D: usize>(
+    own: impl Iterator<Item = usize>,
+    centre: &Vector<D>,
+    markers: &Markers<D>,
+    density: f64,
+) -> [Freedoms; 6]
+where
+    [f64; D]: Space<D>,
+{
+    let mut matrix = [[0.0; 6]; 6];
+    for k in own {
+        let marker = markers.get(k);
+        let motions = std::array::from_fn::<_, 6, _>(|freedom| match freedom < <[f64; D]>::FREEDOMS {
+            true => marker.along * motion(freedom, &(marker.position - centre)),
+            false => Vector::zeros(),
+        });
+        for (row, of_row) in matrix.iter_mut().zip(&motions) {
+            row.iter_mut().zip(&motions).for_each(|(entry, of)| *entry += density * marker.layer * of_row.dot(of));
+        }
+    }
+    matrix
+}
+
 /// Change the forces on all markers, and the velocities of the body's own, by a change of its velocities.
 pub fn change<const D: usize>(
     change: &Freedoms,

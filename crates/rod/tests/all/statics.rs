@@ -51,6 +51,19 @@ fn the_displaced_mass_weighs_on_a_line() {
     assert!(own.0 < -0.06 && floating.abs() < 1e-12, "{own:?} beside {floating}");
 }
 
+/// Fluid that no load accounts for carries the rod by its weight: one that weighs as much lets it float, more lifts it.
+#[test]
+fn the_weight_of_the_fluid_carries_a_rod() {
+    let tip = |buoyant: f64| {
+        let buoyant = vec![buoyant; 33];
+        let mut rod = Rod::new(Parameters { buoyant, ..csm1(16) }).unwrap();
+        rod.solve_static().unwrap();
+        rod.tip_displacement()[1]
+    };
+    let own = csm1(2).section.line_density;
+    assert!(tip(0.0) < -0.06 && tip(own).abs() < 1e-12 && (tip(2.0 * own) + tip(0.0)).abs() < 1e-9);
+}
+
 /// In the diagonal plane of space, up to tip angles of 70°.
 #[test]
 fn diagonal_deflection_of_a_fine_rod_is_within_1e_4_of_the_elastica() {

@@ -333,3 +333,57 @@ fn a_held_node_has_the_acceleration_of_its_base() {
         }
     }
 }
+
+/// At rest the energies of a loaded or taut wing change by rounding alone, which is no gain.
+#[test]
+fn a_wing_that_has_come_to_rest_stays_there() {
+    let mesh = rectangle(1.0, 0.2, 10);
+    let edge: Vec<_> = (0..mesh.nodes.len())
+        .filter(|&k| {
+            let [x, y, _] = mesh.nodes[k];
+            [x, x - 1.0, y - 0.1, y + 0.1].iter().any(|gap| gap.abs() < 1e-9)
+        })
+        .collect();
+    let root = mesh.chain("root").expect("a root").to_vec();
+    let membrane = |stiffness, tension| Membrane {
+        areal_density: 1.0,
+        stretching_stiffness: stiffness,
+        bending_stiffness: 1e-3,
+        poisson_ratio: 0.0,
+        tension,
+    };
+    for (name, held, membrane, gravity) in [
+        ("hangs", &root, membrane(1e3, 0.0), [9.81, 0.0, 0.0]),
+        ("hangs, stiff", &root, membrane(1e7, 0.0), [9.81, 0.0, 0.0]),
+        ("taut", &edge, membrane(1e3, 50.0), [0.0, 0.0, 1e-3]),
+    ] {
+        for place in [0.0, 100.0] {
+            let mut mesh = mesh.clone();
+            mesh.nodes.iter_mut().for_each(|x| x[1] += place);
+            let root = Root { nodes: held.clone(), ..Root::default() };
+            let parameters = Parameters { root, gravity, relaxation_time: 0.02, ..Parameters::new(mesh, membrane) };
+            let mut wing = parameters.build().expect("a wing");
+            let ended = (0..400).find_map(|step| wing.step(0.02).err().map(|error| format!("step {step}: {error}")));
+            assert_eq!(ended, None, "{name} at {place} m");
+        }
+    }
+}
+
+/// Before the loads tell of the fluid that moves with it, a light wing starts as with the mass of this fluid.
+#[test]
+fn a_light_wing_is_not_thrown_by_its_weight_in_the_first_step() {
+    let membrane = Membrane { areal_density: 0.01, ..Membrane::plate(1e6, 0.3, 1e-3, 1000.0) };
+    for (displaced_density, expected) in [(0.1, 0.1), (5e-3, 2.0), (1e-3, 1.0 / 0.9), (0.0, 1.0)] {
+        let parameters = Parameters {
+            displaced_density,
+            gravity: [0.0, 0.0, -10.0],
+            scheme: Scheme::Bdf2,
+            ..Parameters::new(rectangle(0.2, 0.1, 4), membrane)
+        };
+        let mut wing = parameters.build().expect("a wing");
+        wing.step(1e-3).expect("a step");
+        for velocity in wing.velocities(2) {
+            assert!((velocity / (-10.0 * 1e-3 * expected) - 1.0).abs() < 0.2, "{displaced_density}: {velocity} m/s");
+        }
+    }
+}
