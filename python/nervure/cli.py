@@ -292,7 +292,8 @@ def _rod_fmus(given: list[str], several: bool, wings: Collection[str]) -> dict[s
             )
         fmus[name] = Path(path)
         if not fmus[name].is_file():
-            raise InputError(f"--rod-fmu: the file {path} does not exist")
+            alone = "" if named or "=" not in text else ", and the one rod of the scene needs no NAME="
+            raise InputError(f"--rod-fmu: the file {path} does not exist{alone}")
     return fmus
 
 

@@ -15,6 +15,7 @@ import nervure
 from nervure.coupling import CouplingError
 from nervure.coupling.flight import Carried
 from nervure.errors import InputError, SceneError
+from nervure.library import monitor
 from nervure.output import animation
 from nervure.resources import ROOT
 from nervure.scene import validate
@@ -386,6 +387,20 @@ def test_what_meets_the_body_of_a_flyer_pushes_it_back(other, ratio, tmp_path):
     assert 0.0 < min(gaps) < 0.055 < gaps[-1], f"a gap of {min(gaps)} m, at the end of {gaps[-1]} m"
     assert max(energies) < 0.125 * 1.0005, f"{max(energies)} J of 0.125 J"
     assert np.abs(momentum - [0.5, 0.0, 0.0]).max() < 1e-3 * 0.5, f"{momentum} N s of 0.5 N s"
+
+
+@pytest.mark.parametrize(("contact", "counts"), [(True, [0, 0]), (False, [0, 1])])
+def test_a_rod_that_reaches_the_body_of_a_flyer_is_said_to_meet_it_without_contact_alone(contact, counts):
+    scene = meeting("rod", 1.0)
+    if not contact:
+        del scene["contact"]
+    watch, memory, said = monitor(json.dumps(scene)), None, []
+    for step, x in enumerate([0.35, 0.1]):
+        line = [[x, y, 0.0] for y in np.linspace(-0.17, 0.23, 11)]
+        answer = watch({"time": step * 2e-3, "bodies": [[0.0] * 6], "beams": [line], "wings": [], "memory": memory})
+        memory = answer["memory"]
+        said.append(answer["warnings"])
+    assert [len(found) for found in said] == counts, said
 
 
 @pytest.mark.parametrize(
