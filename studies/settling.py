@@ -33,6 +33,10 @@ BOUNCES = {
 }
 """By the Stokes number: speed of the fall, m/s, and heights of the gap after the bounces by the diameter (Gondret et
 al. 2002, digitized by Biegert et al. 2017)."""
+PAIR = str(ROOT / "examples" / "drafting-spheres.json")
+KISS = 18.2
+"""Time at which the upper of two spheres reaches the lower one, s: 18.03 to 18.34 in FeatFloWer by the model of
+contact. Here they are then within the range of contact."""
 HEIGHTS = {27: 12.5, 152: 22}
 """Heights at the start by the diameter."""
 START, RELEASE = 40.0, 0.5
@@ -82,6 +86,10 @@ def cases() -> Iterator[Case]:
     for n, changes in ((16, {}), (24, finer)):
         about = {"expected": expected, "grid": f"{n} cells"}
         yield Case(f"cylinder/{n} cells", FLUID, CYLINDER, changes, about=about)
+    finer = {"fluid.box.cells": [84, 84, 300], "fluid.mask.log_linear.c_eta": 6e-4}
+    finer |= dict.fromkeys(("time.communication_step", "fluid.time_stepping.max_step"), 0.03)
+    for n, changes in ((8, {}), (12, finer)):
+        yield Case(f"pair/{n} cells", FLUID, PAIR, changes, about={"expected": {"kiss": KISS}, "grid": f"{n} cells"})
     for stokes, (label, roughness) in [(27, own) for own in ROUGHNESS.items()] + [(152, (", rough", 3e-3))]:
         changes, diameter = ({"time.end": 0.22}, 0.006) if stokes == 27 else (falling(*FINE), FINE[3])
         changes |= led(HEIGHTS[stokes] * diameter, diameter, BOUNCES[stokes]["impact"])
@@ -98,11 +106,20 @@ def bounces(case: Case, run: Run) -> dict[str, float]:
     return {"impact": float(-speed.min())} | dict(zip(("first", "second", "third"), map(float, tops), strict=False))
 
 
+def kiss(case: Case, run: Run) -> float:
+    """Return the first time at which two spheres of diameter 1 m are within the range of contact, s."""
+    way = np.array([run.series[f"body_2_{axis}"] - run.series[f"body_1_{axis}"] for axis in "xyz"])
+    near = np.linalg.norm(way, axis=0) < 1 + case.built()["contact"]["range"]
+    return float(run.series["time"][np.argmax(near)])
+
+
 def extract(case: Case, run: Run) -> dict[str, Any]:
     """Return the largest speed, m/s, of the cylinder as a Reynolds number; see `bounces`."""
     if case.scene == REBOUND:
         values: dict[str, Any] = bounces(case, run)
         values = {name: value for name, value in values.items() if name in case.about["expected"]}
+    elif case.scene == PAIR:
+        values = {"kiss": kiss(case, run)}
     elif case.scene == SPHERE:
         values = {"speed": float(-run.series["body_1_vz"].min())}
     else:
