@@ -206,6 +206,10 @@ def test_a_flow_shows_one_frequency_that_of_its_periods_and_no_swing_that_dies_a
     assert [name for name in names if "frequency" in name] == ["tip_uy_frequency_hz"]
     assert "drag_mean" in names and "drag_amplitude" not in names
     assert "lift_frequency_hz" in chosen(summary, {}, ["lift"])
+    # Another run may have the frequency that this one does not have.
+    assert chosen(summary, {"lift_frequency_hz": None, "lift_mean": 1.0}, ["lift_frequency_hz", "lift_mean"]) == [
+        "lift_mean"
+    ]
     summary.amplitude_drift = -0.7
     assert chosen(summary, {}, ()) == ["drag_mean"] and "tip_uy_amplitude" in chosen(summary, {}, ["tip_uy"])
 

@@ -511,8 +511,8 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
     for name in wanted:
         if name in numbers and name not in found:
             found.append(name)
-        elif name not in summary.quantities and name not in found:
-            raise InputError(
+        elif name not in summary.quantities and name not in found and row.get(name, name) is not None:
+            raise InputError(  # What has no value in this run, such as a frequency, may have one in another
                 f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
             )
     return found
