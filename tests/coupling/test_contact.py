@@ -143,7 +143,7 @@ def test_units_of_any_masses_exchange_equal_impulses_in_a_fluid(kinds, ratio, tm
             impulses += [session.grid.communication_step * own().ravel() for own in loads]
     given = np.abs(impulses).max()
     assert given > 2e-3, "they do not touch"
-    # What the last step took amiss is still to be paid.
+    # The difference of the last step is still to be paid.
     assert np.abs(impulses.sum(axis=0)).max() < 1e-3 * given, f"{impulses} N s"
 
 
@@ -217,7 +217,7 @@ def test_rods_that_contact_alone_couples_exchange_momentum_and_gain_no_energy(ma
 
 
 def test_contact_alone_is_that_of_a_fluid_too_light_to_matter(tmp_path):
-    """A rod falls across a wing: without a fluid contact makes up for what the sides took amiss of each other."""
+    """A rod falls across a wing: without a fluid contact pays the difference of what both sides took."""
     heights, loads = [], []
     for scene in (dropped(contact=True), {key: own for key, own in dropped(contact=True).items() if key != "fluid"}):
         with Session(validate(scene).copy({"time.end": 0.2}), tmp_path) as session:

@@ -400,8 +400,8 @@ where
         }
     }
 
-    /// Add what the sides took amiss of each other in the step of `h` seconds between these stations to the impulses that
-    /// they are owed, N s: those of flexible bodies, and those of rigid ones about their pivots, in the order of
+    /// Add the difference of the impulses that both sides took in the step of `h` seconds between these stations to those
+    /// that they are owed, N s: those of flexible bodies, and those of rigid ones about their pivots, in the order of
     /// [`Self::pushes`].
     ///
     /// `taken` returns which change of the velocity of the station (m/s) of a flexible body lowered its load, and `moved`

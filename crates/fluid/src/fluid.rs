@@ -481,8 +481,8 @@ where
         Ok(())
     }
 
-    /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact, and what the sides of
-    /// contact took amiss of each other.
+    /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact, and note by how much
+    /// the impulses that both sides of a contact took differ.
     fn settle(&mut self, h: f64) {
         let Self { present, flexible_contact, problem: Problem { thin, bodies, .. }, motion, .. } = self;
         let Interfaces { owed, loads, contact: ContactOwed { step, flexible, bodies: on_bodies }, .. } =

@@ -49,7 +49,7 @@ pub struct Interfaces<const D: usize> {
     pub shear: Vec<Vec<Vec<f64>>>,
 }
 
-/// Impulses by which the loads of contact make up for what the last one was amiss; every list is empty without it.
+/// Impulses that the coming loads of contact add, so that both sides get the same; every list is empty without contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactOwed<const D: usize> {
     /// Length of the step in which they are paid, s.
