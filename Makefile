@@ -126,7 +126,7 @@ $(TYPES): modelDescription/scene.schema.json modelDescription/scene_types.py
 	mv $@.new $@
 
 messages: build $(READY_DEV) ## record the messages about bad input in tests/scene/messages.csv
-	$(RUN) tests/scene/bad_input.py --csv > tests/scene/messages.csv.new
+	$(RUN) tests/scene/bad_input.py > tests/scene/messages.csv.new
 	mv tests/scene/messages.csv.new tests/scene/messages.csv
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair

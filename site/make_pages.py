@@ -4,12 +4,15 @@
 
 A document keeps its text, and gets the scripts of the gallery at their marks; a link points to the place of its target
 on the site, or becomes plain text where the site has no such page. Scene keys come from the JSON Schema, variables from
-the model descriptions, options from the command, and Python from docstrings and the comments of fields.
+the model descriptions, options from the command, messages from their record, and Python from docstrings and the
+comments of fields.
 """
 
 import ast
+import csv
 import dataclasses
 import inspect
+import itertools
 import json
 import os
 import re
@@ -225,26 +228,48 @@ def _fields(part: Any) -> Iterator[tuple[str, str, str]]:
         yield f"`{name}`", f"`{kind}`", comment
 
 
+MESSAGES = """\
+# Messages
+
+nervure's messages about scenes, files and arguments that it refuses. Each ends with exit status 2, and nothing is
+written. Types and ranges are those of the [scene keys](scene.md) and stand in the JSON Schema, so that an editor shows
+them. An editor and nervure differ in two points: the schema accepts `8.0` for a whole number, and it does not see
+contradictions between keys.
+"""
+
+
+def messages_page() -> str:
+    """Return the page of the recorded messages about bad input."""
+
+    def cell(text: str) -> str:
+        return text.replace("|", "\\|").replace("<", "&lt;").replace("\n", "<br>")
+
+    page = [MESSAGES]
+    with (ROOT / "tests" / "scene" / "messages.csv").open(encoding="utf-8", newline="") as file:
+        for heading, rows in itertools.groupby(csv.DictReader(file), lambda row: row["heading"]):
+            page.append(f"\n## {heading}\n\n| given | message |\n|---|---|\n")
+            page += (f"| `{cell(row['given'])}` | {cell(row['message'])} |\n" for row in rows)
+    return "".join(page)
+
+
 def make(folder: Path) -> None:
     """Write the pages into `folder`, and delete what the folder held before."""
     shutil.rmtree(folder, ignore_errors=True)
-    pages = documents()
-    for source, target in pages.items():
+    shown = documents()
+    for source, target in shown.items():
         (folder / target).parent.mkdir(parents=True, exist_ok=True)
         if source.suffix == ".md":
-            text = with_links((ROOT / source).read_text(encoding="utf-8"), source, pages)
+            text = with_links((ROOT / source).read_text(encoding="utf-8"), source, shown)
             (folder / target).write_text(text, encoding="utf-8")
         else:
             shutil.copy(ROOT / source, folder / target)
     reference = folder / "reference"
     reference.mkdir(exist_ok=True)
-    for name, page in (("scene", scene_page()), ("command", command_page()), ("python", python_page())):
-        (reference / f"{name}.md").write_text(page, encoding="utf-8")
+    pages = {"scene": scene_page, "command": command_page, "python": python_page, "messages": messages_page}
+    for name, page in pages.items():
+        (reference / f"{name}.md").write_text(page(), encoding="utf-8")
     for kind in ("rod", "fluid"):
         (reference / f"{kind}.md").write_text(variables_page(kind), encoding="utf-8")
-    messages = [sys.executable, str(ROOT / "tests" / "scene" / "bad_input.py")]
-    with (reference / "messages.md").open("w", encoding="utf-8") as written:
-        subprocess.run(messages, stdout=written, check=True)
     command = [sys.executable, "-m", "studies", "--tables", str(folder.resolve() / "tables")]
     subprocess.run(command, cwd=ROOT, check=True)
     shutil.copy(Path(__file__).with_name("site.css"), folder)

@@ -1,7 +1,6 @@
 """Scenes, files and arguments that nervure refuses, and its messages.
 
-    python tests/scene/bad_input.py > messages.md         # as a page, for the site
-    python tests/scene/bad_input.py --csv > messages.csv  # as data, by `make messages`
+    python tests/scene/bad_input.py > messages.csv  # by `make messages`
 
 Each entry of `TYPES` and `RELATIONS` is a shipped scene with a key replaced, as `--set` does it. The JSON Schema
 refuses the first too, only the units the second.
@@ -14,7 +13,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import chdir, redirect_stderr, redirect_stdout
-from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 from unittest.mock import patch
@@ -293,15 +291,6 @@ ARGUMENTS = [
 ]
 """Arguments of the command."""
 
-HEAD = """\
-# Messages
-
-nervure's messages about scenes, files and arguments that it refuses. Each ends with exit status 2, and nothing is
-written. Types and ranges are those of the [scene keys](scene.md) and stand in the JSON Schema, so that an editor shows
-them. An editor and nervure differ in two points: the schema accepts `8.0` for a whole number, and it does not see
-contradictions between keys.
-"""
-
 
 class Row(NamedTuple):
     """A bad input, and its message."""
@@ -373,21 +362,5 @@ def rows() -> Iterator[Row]:
         assert not os.listdir(), os.listdir()
 
 
-def page() -> Iterator[str]:
-    """Return the lines of a page for the site."""
-    yield HEAD
-    for heading, each in groupby(rows(), lambda row: row.heading):
-        yield f"\n## {heading}\n\n| given | message |\n|---|---|\n"
-        yield from (f"| `{cell(row.given)}` | {cell(row.message)} |\n" for row in each)
-
-
-def cell(text: str) -> str:
-    """Return `text` for a cell of a table."""
-    return text.replace("|", "\\|").replace("<", "&lt;").replace("\n", "<br>")
-
-
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--csv"]:
-        csv.writer(sys.stdout, lineterminator="\n").writerows([Row._fields, *rows()])
-    else:
-        sys.stdout.writelines(page())
+    csv.writer(sys.stdout, lineterminator="\n").writerows([Row._fields, *rows()])
