@@ -73,6 +73,48 @@ impl<const D: usize> Encounter<D> {
     }
 }
 
+/// A point of a body that deforms, and what it may touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting<S, const D: usize> {
+    /// Spot of the body at which the point lies.
+    pub spot: S,
+    /// Part of the body that belongs to the point: m of a rod, m² of a membrane; half of it for each side of a pair.
+    pub size: f64,
+    /// Spots of the closest points of the body itself at the begin and the end of the stage; `None` of an obstacle.
+    pub partners: Option<[S; 2]>,
+    /// How they meet.
+    pub met: Encounter<D>,
+}
+
+impl<S, const D: usize> Meeting<S, D> {
+    /// Return the parts of the potential by `law` in a stage of `dt` (s), each with the spot that it pushes back.
+    pub fn pushes(self, law: &Law, dt: Option<f64>) -> impl Iterator<Item = (Push<D>, Option<S>)> + use<S, D> {
+        let [before, now] = self.partners.map_or([None, None], |both| both.map(Some));
+        let parts = [(self.met.push(law, self.size, dt), now), (self.met.friction(law, self.size, dt), before)];
+        parts.into_iter().filter_map(|(push, partner)| Some((push?, partner)))
+    }
+}
+
+/// Keep of the elements from `begin` on, near which a point may touch its own body, the closest one of each bend, nearest
+/// first: a second closest point of a bend may come and go at any distance.
+pub fn keep_one_of_each_bend(
+    elements: &mut Vec<u32>,
+    begin: usize,
+    distance: impl Fn(u32) -> f64,
+    are_apart: impl Fn(u32, u32) -> bool,
+) {
+    elements[begin..].sort_unstable_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b)));
+    let mut end = begin;
+    for k in begin..elements.len() {
+        let own = elements[k];
+        if elements[begin..end].iter().all(|&other| are_apart(other, own)) {
+            elements[end] = own;
+            end += 1;
+        }
+    }
+    elements.truncate(end);
+}
+
 /// Obstacles in a step.
 #[derive(Clone, Debug)]
 pub struct Obstacles<const D: usize> {

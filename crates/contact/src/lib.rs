@@ -7,7 +7,7 @@
 //! U(g) penalty,      (1/Δt) [∫ Γ dg − Γ(g_0) g] damper and film,      μ N_0 |s| friction with the slip s.
 //! ```
 //!
-//! [`Obstacle`] has closest points, [`Encounter`] the forces on a point of what deforms, [`SurfacePoint`] the points of
+//! [`Obstacle`] has closest points, [`Meeting`] the forces on a point of what deforms, [`SurfacePoint`] the points of
 //! triangles, [`Cells`] finds candidates, [`BodyContacts`] solves for rigid bodies, [`FlexibleContact`] announces the
 //! loads of rods and wings that others move, and [`ContactCoupling`] does so without a fluid.
 //! All quantities are in SI units.
@@ -28,7 +28,7 @@ mod surface;
 pub use bodies::{BodyContacts, BodyFilm, BodyLaw, Part, PartMotion, nearest_image};
 pub use cells::{Cells, MOST_PARTNERS};
 pub use coupling::{ContactCoupling, ContactExchange, CouplingError, CouplingState};
-pub use encounter::{Encounter, Obstacles, Push};
+pub use encounter::{Encounter, Meeting, Obstacles, Push, keep_one_of_each_bend};
 pub use error::{BodyError, ContactError};
 pub use flexible::{FastMeeting, FlexibleBody, FlexibleContact, MountPush, MountedBody, Party, Skin};
 pub use law::{Before, Film, FilmPower, Friction, HELD, Law, Response, largest_stiffness};

@@ -21,7 +21,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use ::contact::{Cells, ContactError, Encounter, HELD, Law, MOST_PARTNERS, Obstacle, Obstacles, Push};
+use ::contact::{
+    Cells, ContactError, Encounter, HELD, Law, MOST_PARTNERS, Meeting, Obstacle, Obstacles, Push, keep_one_of_each_bend,
+};
 use structure::{Matrix, Vector, check_law, finite, positive};
 
 use crate::{Error, RodError};
@@ -57,14 +59,6 @@ impl<const D: usize> Contact<D> {
 struct Spot {
     segment: usize,
     share: f64,
-}
-
-/// Part of the potential: a function of the place of a spot, or of that from one spot to another.
-struct Term<const D: usize> {
-    spot: Spot,
-    partner: Option<Spot>,
-    /// Of a pair its second derivative is positive semi-definite.
-    push: Push<D>,
 }
 
 /// Closest point of another strand.
@@ -195,18 +189,9 @@ impl<const D: usize> Contacts<D> {
                     RodError::from(ContactError::Crowded { node: spot.segment, found, most: MOST_PARTNERS }).into()
                 );
             }
-            // Of closest points on one bend only the closest counts: a second may come and go at any distance.
             let distance = |j: u32| strand(x, p, j as usize).distance;
-            partners[begin..].sort_unstable_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b)));
-            let mut end = begin;
-            for k in begin..partners.len() {
-                let j = partners[k];
-                if partners[begin..end].iter().all(|other| f64::from(other.abs_diff(j)) * *l0 > *apart) {
-                    partners[end] = j;
-                    end += 1;
-                }
-            }
-            partners.truncate(end);
+            let are_apart = |i: u32, j: u32| f64::from(i.abs_diff(j)) * *l0 > *apart;
+            keep_one_of_each_bend(partners, begin, distance, are_apart);
             self.ends[m] = self.partners.len();
         }
         Ok(())
@@ -242,17 +227,16 @@ impl<const D: usize> Contacts<D> {
         }
     }
 
-    /// Visit each pair of a point of contact and what it may touch in the shape `x`: the point, its length of rod and
-    /// gap and normal, the partner, and the curvature of the distance; the same at `origin` with the slip since then.
+    /// Visit each point of contact and what it may touch in the shape `x`, from the shape `origin`, m.
     ///
     /// Obstacles that stay farther than `reach` (m) are left out.
-    fn visit(&self, x: &[Vector<D>], origin: &[Vector<D>], reach: f64, mut visit: impl FnMut(Meeting<D>)) {
+    fn visit(&self, x: &[Vector<D>], origin: &[Vector<D>], reach: f64, mut visit: impl FnMut(Meeting<Spot, D>)) {
         for m in 0..(x.len() - 1) * self.parts + 1 {
             let (spot, length, radius) = self.point(m);
             let (p, p_before) = (at(x, spot), at(origin, spot));
             for (i, _) in self.begins.iter().enumerate().filter(|(_, begin)| m >= **begin) {
                 if let Some(met) = self.obstacles.meet(i, [p_before, p], radius, reach) {
-                    visit(Meeting { spot, length, partners: None, met });
+                    visit(Meeting { spot, size: length, partners: None, met });
                 }
             }
             let begin = if m == 0 { 0 } else { self.ends.get(m - 1).copied().unwrap_or(0) };
@@ -260,7 +244,7 @@ impl<const D: usize> Contacts<D> {
                 let (before, now) = (self.walk(origin, p_before, spot, j as usize), self.walk(x, p, spot, j as usize));
                 visit(Meeting {
                     spot,
-                    length: 0.5 * length,
+                    size: 0.5 * length,
                     partners: Some([before.spot, now.spot]),
                     met: Encounter {
                         distances: [before.distance, now.distance],
@@ -274,31 +258,26 @@ impl<const D: usize> Contacts<D> {
         }
     }
 
-    /// Pass the parts of the potential in the shape `x` of a stage from `origin`, m, to `emit`.
-    fn terms(&self, x: &[Vector<D>], origin: &[Vector<D>], mut emit: impl FnMut(Term<D>)) {
+    /// Pass the parts of the potential in the shape `x` of a stage from `origin`, m, to `emit`: spot, push and partner.
+    fn pushes(&self, x: &[Vector<D>], origin: &[Vector<D>], mut emit: impl FnMut(Spot, Push<D>, Option<Spot>)) {
         let law = &self.own.law;
-        self.visit(x, origin, law.reach(), |met| {
-            let Meeting { spot, length, partners, met } = met;
-            let [before, now] = partners.map_or([None; 2], |both| both.map(Some));
-            let parts = [(met.push(law, length, self.dt), now), (met.friction(law, length, self.dt), before)];
-            for (push, partner) in parts.into_iter().filter_map(|(push, partner)| Some((push?, partner))) {
-                emit(Term { spot, partner, push });
-            }
+        self.visit(x, origin, law.reach(), |meeting| {
+            meeting.pushes(law, self.dt).for_each(|(push, partner)| emit(meeting.spot, push, partner));
         });
     }
 
     /// Return the potential of the shape `x` in a stage from `origin`, m, in J.
     pub(crate) fn potential(&self, x: &[Vector<D>], origin: &[Vector<D>]) -> f64 {
         let mut sum = 0.0;
-        self.terms(x, origin, |term| sum += term.push.potential);
+        self.pushes(x, origin, |_, push, _| sum += push.potential);
         sum
     }
 
     /// Return the energy of the penalty in the shape `x`, J.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> f64 {
         let mut sum = 0.0;
-        self.visit(x, x, self.own.law.reach(), |met| {
-            sum += met.length * self.own.law.penalty(met.met.gaps[1]).potential
+        self.visit(x, x, self.own.law.reach(), |meeting| {
+            sum += meeting.size * self.own.law.penalty(meeting.met.gaps[1]).potential
         });
         sum
     }
@@ -306,7 +285,7 @@ impl<const D: usize> Contacts<D> {
     /// Write the forces on the nodes in the shape `x` of a stage from `origin`, N: `[n + 1]`.
     pub(crate) fn find_forces(&self, x: &[Vector<D>], origin: &[Vector<D>], forces: &mut [Vector<D>]) {
         forces.fill(Vector::zeros());
-        self.terms(x, origin, |Term { spot, partner, push: Push { force, .. } }| {
+        self.pushes(x, origin, |spot, Push { force, .. }, partner| {
             let parts = [(Some(spot), force), (partner, -force)];
             for (Spot { segment, share }, force) in parts.into_iter().filter_map(|(spot, force)| Some((spot?, force))) {
                 forces[segment] += force * (1.0 - share);
@@ -318,7 +297,7 @@ impl<const D: usize> Contacts<D> {
     /// Pass second derivatives of the potential, or more, to `emit`: by the node k twice, by k and k + 1, and by k + 1
     /// twice, N/m.
     pub(crate) fn hessian(&self, x: &[Vector<D>], origin: &[Vector<D>], mut emit: impl FnMut(usize, [Matrix<D>; 3])) {
-        self.terms(x, origin, |Term { spot, partner, push: Push { hessian, .. } }| {
+        self.pushes(x, origin, |spot, Push { hessian, .. }, partner| {
             let both = if partner.is_some() { 2.0 } else { 1.0 };
             for Spot { segment, share } in [Some(spot), partner].into_iter().flatten() {
                 let (first, second) = (1.0 - share, share);
@@ -360,15 +339,6 @@ impl<const D: usize> Contacts<D> {
         );
         result
     }
-}
-
-/// A point of contact and what it may touch.
-struct Meeting<const D: usize> {
-    spot: Spot,
-    length: f64,
-    /// Closest points of a strand of the rod at the begin and the end of a stage; `None` of an obstacle.
-    partners: Option<[Spot; 2]>,
-    met: Encounter<D>,
 }
 
 /// Return the place of a spot in the shape `x`, m.

@@ -7,7 +7,7 @@
 //! Points p_m of the triangles touch ([`points_of_surface`]), A_m is the area that belongs to one, and U the potential
 //! of a [`Law`] per area. A point moves with the corners of its triangle, so Newton's matrix keeps its pattern.
 
-use ::contact::{ContactError, Encounter, HELD, Law, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
+use ::contact::{ContactError, HELD, Law, Meeting, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
 use nalgebra::Matrix3;
 use structure::{check_law, finite};
 
@@ -152,7 +152,7 @@ impl Contacts {
         x: &[Vector],
         origin: &[Vector],
         farther: f64,
-        mut visit: impl FnMut(&Law, Meeting),
+        mut visit: impl FnMut(&Law, Meeting<Spot, 3>),
     ) {
         let (balls, reach) = ([origin, x].map(ball), self.law.reach() + farther);
         for (i, points) in self.of.iter().enumerate().filter(|(i, _)| !self.obstacles.is_beyond(*i, balls, reach)) {
@@ -161,14 +161,12 @@ impl Contacts {
                 let corners = faces[triangle].nodes;
                 let ends = [origin, x].map(|shape| point.of(corners.map(|k| shape[k])));
                 if let Some(met) = self.obstacles.meet(i, ends, 0.0, reach) {
-                    visit(&self.law, Meeting { spot: Spot { triangle, shares }, area, partners: None, met });
+                    visit(&self.law, Meeting { spot: Spot { triangle, shares }, size: area, partners: None, met });
                 }
             }
         }
         if let Some(own) = &self.itself {
-            own.visit(faces, x, origin, |spot, area, partners, met| {
-                visit(&own.law, Meeting { spot, area, partners: Some(partners), met });
-            });
+            own.visit(faces, x, origin, |meeting| visit(&own.law, meeting));
         }
     }
 
@@ -177,7 +175,7 @@ impl Contacts {
         self.stand();
         self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
         let mut sum = 0.0;
-        self.visit(faces, x, x, 0.0, |law, met| sum += met.area * law.penalty(met.met.gaps[1]).potential);
+        self.visit(faces, x, x, 0.0, |law, met| sum += met.size * law.penalty(met.met.gaps[1]).potential);
         Ok(sum)
     }
 
@@ -235,24 +233,6 @@ impl Contacts {
             }
         });
         result
-    }
-}
-
-/// A point and what it may touch.
-struct Meeting {
-    spot: Spot,
-    area: f64,
-    /// Closest points of another layer at the begin and the end of a stage; `None` of an obstacle.
-    partners: Option<[Spot; 2]>,
-    met: Encounter<3>,
-}
-
-impl Meeting {
-    /// Return the parts of the potential in a stage of `dt` (s), each with the point of another layer.
-    fn pushes(&self, law: &Law, dt: Option<f64>) -> impl Iterator<Item = (Push<3>, Option<Spot>)> + use<> {
-        let [before, now] = self.partners.map_or([None; 2], |both| both.map(Some));
-        let parts = [(self.met.push(law, self.area, dt), now), (self.met.friction(law, self.area, dt), before)];
-        parts.into_iter().filter_map(|(push, partner)| Some((push?, partner)))
     }
 }
 

@@ -10,7 +10,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use ::contact::{
-    Cells, ContactError, Encounter, Law, MOST_PARTNERS, SurfacePoint, nearest_of_triangle, points_of_surface,
+    Cells, ContactError, Encounter, Law, MOST_PARTNERS, Meeting, SurfacePoint, keep_one_of_each_bend,
+    nearest_of_triangle, points_of_surface,
 };
 use nalgebra::Matrix3;
 
@@ -223,33 +224,22 @@ impl Itself {
                 }
             }
         }
-        // Of closest points on one bend only the closest counts: a second may come and go at any distance.
-        let distance = |t: u32| layer(faces, x, p, t as usize).distance;
-        partners[begin..].sort_unstable_by(|a, b| distance(*a).total_cmp(&distance(*b)).then(a.cmp(b)));
         let place = |t: u32| {
             let ([a, b, c], shares) = (self.rest_corners[t as usize], layer(faces, x, p, t as usize).spot.shares);
             a * shares[0] + b * shares[1] + c * shares[2]
         };
-        let mut end = begin;
-        for k in begin..partners.len() {
-            let own = place(partners[k]);
-            if partners[begin..end].iter().all(|&other| (place(other) - own).norm() > *apart) {
-                partners[end] = partners[k];
-                end += 1;
-            }
-        }
-        partners.truncate(end);
+        let distance = |t: u32| layer(faces, x, p, t as usize).distance;
+        keep_one_of_each_bend(partners, begin, distance, |s, t| (place(s) - place(t)).norm() > *apart);
         found
     }
 
-    /// Visit each point that may touch another layer in the shape `x`, m: the point, half its area, the closest points at
-    /// the begin and the end of a stage from `origin` (m), and how they meet.
+    /// Visit each point that may touch another layer in the shape `x` of a stage from `origin`, m.
     pub(crate) fn visit(
         &self,
         faces: &[Face],
         x: &[Vector],
         origin: &[Vector],
-        mut visit: impl FnMut(Spot, f64, [Spot; 2], Encounter<3>),
+        mut visit: impl FnMut(Meeting<Spot, 3>),
     ) {
         let mut begin = 0;
         for (m, point) in self.points.iter().enumerate() {
@@ -271,7 +261,7 @@ impl Itself {
                     slip: p - before.spot.on(faces, x) - before.from,
                 };
                 let spot = Spot { triangle: point.triangle, shares: point.shares };
-                visit(spot, 0.5 * point.area, [before.spot, now.spot], met);
+                visit(Meeting { spot, size: 0.5 * point.area, partners: Some([before.spot, now.spot]), met });
             }
         }
     }
