@@ -46,9 +46,7 @@ impl Taken {
         }
         join(&force, moment)
     }
-}
 
-impl Taken {
     /// Return the part of a change of the velocity of a node that lowers a load of contact, see
     /// [`super::ThinBodies::taken`], with the normals of [`Self::sum`]: along the surface a node answers to the rate of its
     /// layer at most.
