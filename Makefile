@@ -215,7 +215,7 @@ $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 	$(MASTERS_VENV)/bin/python $(LOCKED) requirements/dev.lock -r requirements/masters.lock
 	touch $@
 
-.PHONY: lab lab-test
+.PHONY: lab lab-rust-test lab-test
 
 PAGE := target/lab/index.html
 AXE := target/axe/package/axe.min.js
@@ -225,8 +225,10 @@ lab: ## build the lab, a page that simulates in the browser, as the file PAGE=ta
 	[ -d "$$(rustc --print target-libdir --target $(BROWSERS))" ] || rustup target add $(BROWSERS)
 	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
 
-lab-test: lab $(AXE) $(READY_DEV) ## test the lab, as a program and in Chromium
-	$(RUST_TEST) -p $(LAB)
+lab-rust-test: ## test the lab as a program; with the features of the build, so that only the lab is compiled
+	$(RUST_TEST) --workspace --exclude $(TOOL) --test digits --test pictures
+
+lab-test: lab lab-rust-test $(AXE) $(READY_DEV) ## test the lab, as a program and in Chromium
 	$(RUN) -m pytest tests/lab/test_lab.py
 
 # Without npm the tests of accessibility are left out.
