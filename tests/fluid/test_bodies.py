@@ -17,6 +17,7 @@ from tests.simulation.test_runs import run
 pytestmark = pytest.mark.usefixtures("libraries")
 
 SQUARE = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.0, 0.2]]
+PLATE = {"plate": {"length": 0.6}}
 
 
 @pytest.fixture
@@ -305,3 +306,36 @@ def test_of_two_disks_that_fall_the_upper_one_drafts_kisses_and_tumbles(tmp_path
     # The range of contact keeps them a tenth of a diameter apart.
     assert apart[0] > 4.9e-3 and 2.5e-3 < apart.min() < 2.8e-3
     assert abs(way[0, 0]) < 2e-5 and abs(way[0, -1]) > 5e-4
+
+
+@pytest.mark.parametrize("shape", ["circle", "plate"])
+def test_close_bodies_fall_the_same_in_any_order(shape, tmp_path):
+    """Their masks share cells, or their markers points, so each is dragged by what the other one moves."""
+    shapes = {"circle": [{"circle": {"radius": 0.2}}, {"circle": {"radius": 0.25}}], "plate": [PLATE, PLATE]}[shape]
+    places = {"circle": [[0.02, 0.25], [0.0, -0.22]], "plate": [[0.0, 0.06], [0.1, -0.06]]}[shape]
+
+    def fall(order):
+        mounts = [
+            {"mass": mass, "inertia": 3.0, "gravity": [0.0, -9.81], "x": {}, "y": {}, "angle": {}}
+            for mass in (150.0, 250.0)
+        ]
+        bodies = [{"shape": shapes[k], "position": places[k], "mount": mounts[k]} for k in order]
+        series, _ = run(tmp_path, {
+            "name": "close",
+            "time": {"end": 0.1, "communication_step": 0.01},
+            "fluid": {
+                "density": 1000.0,
+                "kinematic_viscosity": 0.1,
+                "box": {"x": [-1.0, 1.0], "y": [-1.0, 1.0], "cells": [32, 32]},
+                "mean_flow": {},
+                "bodies": bodies,
+                "mask": {"log_linear": {"c_eta": 1e-3}},
+                "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+            },
+        })  # fmt: skip
+        columns = [f"body_{{}}_{name}" for name in ("lift", "moment", "vy", "omega")]
+        return np.array([[series[name.format(order.index(k) + 1)] for name in columns] for k in (0, 1)])
+
+    one, other = fall([0, 1]), fall([1, 0])
+    off = np.abs(one - other).max(axis=2) / np.abs(one).max(axis=2)
+    assert off.max() < 1e-4, off

@@ -41,6 +41,34 @@ def test_one_exchange_gives_what_an_iteration_gives(tmp_path):
     assert np.abs(tips[0] - tips[1]).max() < 0.05 * np.abs(tips[0]).max()
 
 
+@pytest.mark.parametrize("unit_of_mass", [1.0, 1e-15])
+def test_a_rod_at_rest_in_a_fluid_at_rest_runs_on(unit_of_mass, tmp_path):
+    """The powers that it exchanges are rounding, in any unit of mass, and no instability; nor are large loads."""
+    kg = 1 / unit_of_mass
+    section = {"line_density": 1.0 * kg, "bending_stiffness": 0.1 * kg, "axial_stiffness": 200.0 * kg}
+    scene = validate({
+        "name": "rest",
+        "time": {"end": 0.6, "communication_step": 0.01},
+        "fluid": {
+            "density": kg,
+            "kinematic_viscosity": 0.01,
+            "box": {"x": [-1, 2], "y": [-1, 1], "cells": [24, 16]},
+            "mask": {"log_linear": {"c_eta": 1e-3}},
+            "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+        },
+        "beam": {
+            "root": {"at": {"position": [0.01, 0.02], "direction": [1.0, 0.3]}},
+            "length": 0.8, "thickness": 0.05, "segments": 8, "surface": "line",
+        },
+        "rod": {"material": {"section": section}, "scheme": "bdf2"},
+        "coupling": {"guards": {"window_steps": 20}},
+    })  # fmt: skip
+    still = nervure.run(scene, tmp_path / "still", quiet=True)
+    assert still.summary.completed and not still.summary.warnings
+    moved = {"fluid.initial_velocity": [1.0, 0.0], "coupling.guards.window_steps": 500}
+    assert nervure.run(scene.copy(moved), tmp_path / "stream", quiet=True).summary.completed
+
+
 @pytest.mark.parametrize("mass", [0.01, 1.0])
 def test_the_error_of_the_tip_falls_with_the_step(mass, tmp_path):
     """Halved, 3 times less with C_eta far below the step; 1.8 times less with 1e-4 s and the light rod."""

@@ -413,7 +413,13 @@ where
             if law.friction * pressed == 0.0 {
                 return;
             }
-            let at = points[0] - held * pair.radius;
+            let surface = points[0] - held * pair.radius;
+            // In the middle of the gap between two that move: neither body is the first.
+            let share = match parts.map(|k| self.parts[k].moves()) {
+                [true, true] => 0.5,
+                [of, _] => f64::from(u8::from(!of)),
+            };
+            let at = surface - held * (share * before);
             let arms = arms_at(at, parts.map(|k| &self.parts[k].motion.poses[0]));
             let [of, on] = [0, 1].map(|side| {
                 let k = parts[side];
@@ -518,8 +524,8 @@ impl<const D: usize> Pair<D>
 where
     [f64; D]: Kinematics<D>,
 {
-    /// Pass the points that may touch at these poses of `of` and `on` to `emit`: each with its gap (m) and the normal
-    /// towards it.
+    /// Pass the points that may touch at these poses of `of` and `on` to `emit`: the middle of the gap, the gap (m) and
+    /// the normal from `on`.
     pub fn meet(
         &self,
         solid: &Obstacle<D>,
@@ -528,7 +534,8 @@ where
     ) {
         self.points.for_each([poses; 2], |[point, _]| {
             let nearest = solid.nearest_at(poses[1], point);
-            emit(point - nearest.normal * self.radius, nearest.distance - self.radius, nearest.normal);
+            let gap = nearest.distance - self.radius;
+            emit(point - nearest.normal * (self.radius + 0.5 * gap), gap, nearest.normal);
         });
     }
 

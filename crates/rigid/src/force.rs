@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::kinematics::{Freedoms, Kinematics, Spin, Vector};
+use crate::kinematics::{Freedoms, Kinematics, Spin, Vector, split};
 
 /// Force and moment on a body, in the plane per metre of depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,11 @@ where
     pub fn add(&mut self, force: &Vector<D>, arm: &Vector<D>) {
         self.force += force;
         self.moment += <[f64; D]>::cross(arm, force);
+    }
+
+    /// Return the difference from another force and moment about the same point.
+    pub fn less(&self, other: &Self) -> Self {
+        Self { force: self.force - other.force, moment: self.moment - other.moment }
     }
 
     /// Return the sum with another force and moment about the same point.
@@ -66,6 +71,13 @@ impl<const D: usize> Drag<D>
 where
     [f64; D]: Kinematics<D>,
 {
+    /// Return the force after a change of the velocities.
+    pub fn after(&self, change: &Freedoms) -> Force<D> {
+        let falls = self.impedance.map(|row| -row.iter().zip(change).map(|(entry, v)| entry * v).sum::<f64>());
+        let (force, moment) = split::<D>(&falls);
+        self.force.plus(&Force { force, moment })
+    }
+
     /// Add the `force` (N) on a cell at `arm` (m) from the pivot, which falls with the velocity there by `slope` (kg/s)
     /// along each axis.
     pub fn add(&mut self, force: Vector<D>, slope: Vector<D>, arm: &Vector<D>) {

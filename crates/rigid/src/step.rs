@@ -152,6 +152,27 @@ where
         Self { displacement, acceleration, change, unsteady, matrix: [[0.0; 6]; 6] }
     }
 
+    /// Let a force that the step did not know change the velocities along free directions, as [`Self::add`] does, and
+    /// return the change; none where that is at most the part `rounding` of the velocities and the `predicted` ones.
+    pub fn yield_to(
+        &mut self,
+        force: &Force<D>,
+        supports: &[Option<Support>; 6],
+        predicted: &Freedoms,
+        c_0: f64,
+        fluid: &Mass<D>,
+        rounding: f64,
+    ) -> Option<Freedoms> {
+        let force = join::<D>(&force.force, force.moment);
+        let force: Freedoms = from_fn(|i| if supports[i].is_some() { force[i] } else { 0.0 });
+        let change = solve(self.matrix, force);
+        let dot = |a: &Freedoms, b: &Freedoms| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let whole = |v: &Freedoms| dot(v, &self.matrix.map(|row| dot(&row, v)));
+        let all = whole(predicted) + whole(&self.displacement.rates());
+        let is_rounding = dot(&change, &force) <= rounding * rounding * all;
+        (!is_rounding).then(|| self.add(&change, c_0, fluid)).map(|()| change)
+    }
+
     /// Change the velocities in a step with the first coefficient `c_0` of the differences; `fluid` is the displaced one.
     pub fn add(&mut self, change: &Freedoms, c_0: f64, fluid: &Mass<D>) {
         let more: Freedoms = from_fn(|i| c_0 * change[i]);

@@ -267,9 +267,10 @@ impl<const D: usize> Rod<D> {
         self.core.publish();
     }
 
-    /// Place the rod with its root in the state `motion`, at rest in its rest shape, as before a first step.
+    /// Place the rod in its rest shape with its root in the state `motion`, as before a first step.
     ///
-    /// The motion of the root stays prescribed. A rod that a body carries moves with the root as a rigid body.
+    /// The motion of the root stays prescribed, and the rod moves with it as a rigid body, at a pinned root without its
+    /// turn.
     pub fn place(&mut self, motion: BaseMotion<D>) -> Result<(), Error> {
         let base = motion.normalised()?;
         let shape = self.parameters.rest_shape(base.position, base.direction);
@@ -279,9 +280,8 @@ impl<const D: usize> Rod<D> {
         self.core.state.own.pressure.fill(0.0);
         self.place_at_rest(base, shape)?;
         self.base_motion = Some(motion);
-        if self.core.carried {
-            self.move_rigidly(&base);
-        }
+        let is_turned = self.parameters.support != RootSupport::Pinned;
+        self.move_rigidly(&if is_turned { base } else { BaseState { direction_rate: Vector::zeros(), ..base } });
         Ok(())
     }
 }

@@ -8,11 +8,8 @@ impl Body {
     /// Return the directions in which its mount may let it move, in the order of the fluid; none without a mount.
     pub fn freedoms(&self, is_space: bool) -> Vec<Freedom> {
         let Some(mount) = &self.mount else { return Vec::new() };
-        let (own, axes) = (mount.inertias(), self.axes_at_rest());
-        let about = |axis: usize| match is_space {
-            true => (0..3).map(|e| own[e] * axes[e][axis].powi(2)).sum(),
-            false => own[axis],
-        };
+        let own = mount.inertias();
+        let about = |axis: usize| if is_space { self.about_axis(&own, axis) } else { own[axis] };
         let freedom = |(i, (name, support)): (usize, (&'static str, _))| {
             let turns = name.starts_with("angle");
             let axis = if turns && !is_space { 2 } else { i % 3 };
@@ -56,8 +53,16 @@ impl Body {
             )
         });
         let Some(inertia) = mount.inertia else { return };
-        let fits = !is_free(true) || mount.inertias().iter().zip(about).all(|(own, about)| *own >= about);
-        let least: Vec<_> = about.iter().filter(|about| **about > 0.0).map(|about| format!("{about:.6}")).collect();
+        let mut turning = freedoms.iter().filter(|own| own.turns && own.support.is_some());
+        let moments: Vec<_> = match (turning.next(), turning.next()) {
+            (None, _) => Vec::new(),
+            // About a single axis only that moment counts, and it stays.
+            (Some(one), None) if is_space => vec![(one.inertia, self.about_axis(&about, one.axis))],
+            _ => mount.inertias().into_iter().zip(about).collect(),
+        };
+        let fits = moments.iter().all(|(own, about)| own >= about);
+        let least = moments.iter().filter(|(_, about)| *about > 0.0).map(|(_, about)| format!("{about:.6}"));
+        let least: Vec<_> = least.collect();
         faults.require(fits, &format!("{key}.inertia"), inertia, || {
             format!(
                 "a body on springs that is no {round} must have at least the moment of inertia of the fluid it \
@@ -65,5 +70,11 @@ impl Body {
                 least.join(", ")
             )
         });
+    }
+
+    /// Return the moment about an axis of the box at rest for those about the axes of the body, which are principal.
+    fn about_axis(&self, own: &[f64; 3], axis: usize) -> f64 {
+        let axes = self.axes_at_rest();
+        (0..3).map(|e| own[e] * axes[e][axis].powi(2)).sum()
     }
 }

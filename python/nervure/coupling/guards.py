@@ -37,6 +37,9 @@ ROUNDING = 1e-9
 BLOCK = 64
 """Steps whose velocities are evaluated together."""
 
+REST = 1e-12
+"""Way of a station in a step, by the largest coordinate, below which a body rests: what it exchanges is rounding."""
+
 MARGIN = 1.25
 """Part by which an advised step is shorter than the longest one by the speed of the stations so far."""
 
@@ -158,7 +161,9 @@ class EnergyGuard:
         self._sums = [steps + 1, difference, exchanged, on_rod, last, rate, own_difference, own_exchanged]
         if self._speeds and self._speeds.keep():
             self._evaluate_speeds()
-        if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
+        if steps < window or not (reason := self.reason(difference, exchanged, exchanged / window)):
+            return
+        if not self._rests(h):
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}{self._then(h)} "
                 "(the limits are in `coupling.guards`)"
@@ -168,28 +173,35 @@ class EnergyGuard:
         """Yield, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes on,
         or at its end, and again when the difference has grown by half."""
         window, steps = self.guards.window_steps, int(self.balance.steps)
-        if self.guards.largest_imbalance is None or not self.momentum:
+        if self.guards.largest_imbalance is None or not self.momentum or self._rests(h):
             return
         last = (steps - 1) % window + 1 if steps else 0  # Steps since the end of a window, or in the whole one
         fading = (window, self.balance.difference, self.balance.exchanged)
         own = (last if steps > window else round(RECENT * steps), *self.balance[-2:])
         judged = [fading] if steps >= window else []
         # The last quarter of a short run is too few steps to judge by alone.
-        if last == window or (at_end and last >= SOON and (steps > window or self._exceeds(*fading))):
+        if last == window or (at_end and last >= SOON and (steps > window or self._exceeds(*fading[1:]))):
             judged.append(own)
         for count, difference, exchanged in judged:
-            if self._exceeds(count, difference, exchanged):
+            if self._exceeds(difference, exchanged):
                 self.warned = difference / exchanged
                 yield (
                     f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}{self._then(h)}"
                 )
                 return
 
-    def _exceeds(self, count: int, difference: float, exchanged: float) -> bool:
-        """Return whether the run warns of sums over `count` steps."""
-        return (
-            difference > max(WARN_RATIO, GROWN * self.warned) * exchanged and exchanged > count * self.guards.min_power
-        )
+    def _exceeds(self, difference: float, exchanged: float) -> bool:
+        """Return whether the run warns of these sums."""
+        return difference > max(WARN_RATIO, GROWN * self.warned) * exchanged > 0.0
+
+    def _rests(self, h: float) -> bool:
+        """Return whether no station moved in the last step of `h` (s) by more than the rounding of its place."""
+
+        def largest(names: Sequence[str]) -> float:
+            slices = [self.rod.slices[name] for name in names if name in self.rod.slices]
+            return max((float(np.abs(self.rod.outputs[place]).max()) for place in slices), default=0.0)
+
+        return h * largest(["vx", "vy", "vz"]) < REST * largest(["x", "y", "z"])
 
     def _then(self, h: float) -> str:
         advice = self.advice(h)

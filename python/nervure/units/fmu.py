@@ -26,7 +26,9 @@ from nervure.errors import UnitError, UnitFailure
 
 FMI_WARNING, FMI_FATAL = 1, 4
 ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard; some units log errors only in these
-LARGEST = 1e12  # Magnitude of an exchanged output, in SI units, that no unit may give
+LARGEST = 1e12  # Magnitude of an exchanged place, angle or velocity, in SI units, that no unit may give
+HEAVIEST = 1e30  # The same of a load or an impedance, whose numbers differ more with the size of a scene
+LOAD = re.compile("N|Pa|kg")  # In the unit of such
 KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 with their names in FMI 2.0
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 OUTSIDE = re.compile(r"^[/\\]|^\w:|(^|[/\\])\.\.([/\\]|$)")  # Paths that leave the folder of an archive
@@ -263,7 +265,9 @@ class Unit:
         if self.outputs.dot(self.outputs) < LARGEST**2:
             return
         limits = np.full(self.outputs.size, np.finfo(float).max)
-        limits[: self.exchanged.size] = LARGEST
+        for name, where in self.slices.items():
+            if where.stop <= self.exchanged.size:
+                limits[where] = HEAVIEST if LOAD.search(self.variables[name].unit or "") else LARGEST
         for place in np.flatnonzero(~(np.abs(self.outputs) <= limits))[:1].tolist():
             name, where = next((name, s) for name, s in self.slices.items() if s.start <= place < s.stop)
             variable = self.variables[name]

@@ -27,6 +27,15 @@ use cells::{Cells, Painted};
 pub use contact::{Contacts, place};
 pub use rigid::Rigid;
 
+/// Part of the velocities of a body that their change must exceed to be no rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The same where the flow has single precision.
+const SINGLE_ROUNDING: f64 = 1e-5;
+
+/// Most turns in which bodies answer each other in a step; masks that overlap by some cells take about five.
+pub const MOST_TURNS: usize = 50;
+
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
 pub struct Bodies<const D: usize>
 where
@@ -196,6 +205,7 @@ where
         ends: &[Pose<D>],
         u_star: impl Fn(usize, [f64; D]) -> [f64; D],
         w: &mut [Field<R>; D],
+        grid: &Grid<D>,
     ) {
         let Some(rate) = &self.rate else { return };
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
@@ -203,13 +213,50 @@ where
             if rigid.is_thin() || !rigid.is_predicted() {
                 continue;
             }
-            let mut drag =
+            let of_fluid =
                 rigid.drag(c[0], self.cell_mass, rate, |point| u_star(point, w.each_ref().map(|w| w[point].to_f64())));
+            let mut drag = of_fluid;
             rigid.add_push(&mut drag);
             let change = rigid
                 .solve_springs(c, carried, self.density, &drag)
                 .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
             rigid.change_velocities(&change, c[0], rate, w);
+            rigid.known = of_fluid.after(&change);
+        }
+        self.answer_each_other(c[0], u_star, w, grid);
+    }
+
+    /// Let bodies on springs answer what those that moved after them did to cells that they share, in turns until nothing
+    /// changes: so their order does not count, and each loses the momentum that the fluid gains.
+    fn answer_each_other<R: Real>(
+        &mut self,
+        c_0: f64,
+        u_star: impl Fn(usize, [f64; D]) -> [f64; D],
+        w: &mut [Field<R>; D],
+        grid: &Grid<D>,
+    ) {
+        let Self { rate: Some(rate), rigid, cell_mass, density, .. } = self else { return };
+        let is_solved = |own: &Rigid<D>| !own.is_thin() && own.is_predicted();
+        for k in 0..rigid.len() {
+            let (own, others) = (&rigid[k], rigid.iter().enumerate().filter(|(other, _)| *other != k));
+            let mut others = others.filter(|(_, other)| is_solved(other));
+            rigid[k].shares = is_solved(own) && others.any(|(_, other)| own.may_share_cells(other, grid));
+        }
+        let rounding = if size_of::<R>() < size_of::<f64>() { SINGLE_ROUNDING } else { ROUNDING };
+        for _ in 0..MOST_TURNS {
+            let mut changes = false;
+            for own in rigid.iter_mut().filter(|own| own.shares && own.mount().is_some()) {
+                let drag =
+                    own.drag(c_0, *cell_mass, rate, |point| u_star(point, w.each_ref().map(|w| w[point].to_f64())));
+                if let Some(change) = own.answer(&drag.force, c_0, *density, rounding) {
+                    own.change_velocities(&change, c_0, rate, w);
+                    own.known = drag.after(&change);
+                    changes = true;
+                }
+            }
+            if !changes {
+                break;
+            }
         }
     }
 
@@ -250,11 +297,7 @@ where
     ) -> Option<Freedoms> {
         let place = self.carried().position(|(own, _)| own == rigid)?;
         let (own, carried) = (&mut self.rigid[rigid], &carried[place]);
-        let inertia = |acceleration: &Freedoms| {
-            let row = |row: &Freedoms| -row.iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>();
-            let (force, moment) = split::<D>(&sliding.each_ref().map(row));
-            Force { force, moment }
-        };
+        let inertia = |acceleration: &Freedoms| inertia_of(sliding, acceleration);
         let (predicted, now, before) = (own.pose.rates(), carried.now.rates(), carried.before.rates());
         let expected = std::array::from_fn(|i| c[0] * predicted[i] - c[1] * now[i] - c[2] * before[i]);
         drag.force = drag.force.plus(&inertia(&expected));
@@ -264,6 +307,16 @@ where
         let change = own.solve_springs(c, carried, self.density, &drag)?;
         if let Some(found) = &mut own.spring_motion {
             found.unsteady = found.unsteady.plus(&inertia(&found.acceleration));
+        }
+        Some(change)
+    }
+
+    /// Let a thin body on springs answer a force that its motion did not know, as [`Self::solve_springs_of`] does.
+    pub fn answer_of(&mut self, rigid: usize, force: &Force<D>, c_0: f64, sliding: &[Freedoms; 6]) -> Option<Freedoms> {
+        let own = &mut self.rigid[rigid];
+        let change = own.answer(force, c_0, self.density, ROUNDING)?;
+        if let Some(found) = &mut own.spring_motion {
+            found.unsteady = found.unsteady.plus(&inertia_of(sliding, &change.map(|v| c_0 * v)));
         }
         Some(change)
     }
@@ -527,6 +580,16 @@ where
         let (gravity, carrying) = (Vector::from(mount.gravity), if self.is_thin() { 0.0 } else { fluid.mass });
         join::<D>(&(gravity * (mount.mass - carrying)), <[f64; D]>::cross(&fluid.arm, &(gravity * -carrying)))
     }
+}
+
+/// Return the force that a mass along the freedoms lacks under an acceleration.
+fn inertia_of<const D: usize>(mass: &[Freedoms; 6], acceleration: &Freedoms) -> Force<D>
+where
+    [f64; D]: Space<D>,
+{
+    let row = |row: &Freedoms| -row.iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>();
+    let (force, moment) = split::<D>(&mass.each_ref().map(row));
+    Force { force, moment }
 }
 
 /// Add another load on the same body.

@@ -15,7 +15,7 @@ use crate::grid::Grid;
 use crate::kernel::layer_thickness;
 use crate::parameters::{Body, Motion, Mount};
 use crate::shapes::{Moments, nearest};
-use crate::space::{Kinematics, Space, Vector, join};
+use crate::space::{Freedoms, Kinematics, Space, Vector, join};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
@@ -35,6 +35,10 @@ where
     pub cells: Cells<D>,
     /// What the present step found, of a body that it put to a predicted place.
     pub spring_motion: Option<SpringMotion<D>>,
+    /// Force of the fluid that its motion on springs in the present step knows.
+    pub known: Force<D>,
+    /// Whether its cells may be those of another body on springs or with announced loads, in the present step.
+    pub shares: bool,
     /// What contact does to it in the coming step.
     pub push: MountPush<D>,
     /// Whether its mount, if it has one, lets it move in the present step.
@@ -92,7 +96,20 @@ where
         let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
         let (cells, push) = (Cells::default(), MountPush::default());
         let is_free = !matches!(body.motion, Some(Motion::Released { .. }));
-        let mut rigid = Self { body, moments, profile, pose, orientation, cells, spring_motion: None, push, is_free };
+        let known = Force::default();
+        let mut rigid = Self {
+            body,
+            moments,
+            profile,
+            pose,
+            orientation,
+            cells,
+            spring_motion: None,
+            known,
+            shares: false,
+            push,
+            is_free,
+        };
         rigid.place(pose, grid);
         rigid
     }
@@ -153,6 +170,30 @@ where
     /// Return its springs and dampers, if it is on such in the present step.
     pub fn mount(&self) -> Option<&Mount<D>> {
         self.body.mount().filter(|_| self.is_free)
+    }
+
+    /// Let its motion on springs, which was found in a step with the first coefficient `c_0` of the differences, answer a
+    /// `force` of the fluid of a density (kg/m³) that differs from the known one, and return the change of its velocities;
+    /// none where that is at most the part `rounding` of the velocities.
+    pub fn answer(&mut self, force: &Force<D>, c_0: f64, density: f64, rounding: f64) -> Option<Freedoms> {
+        let (supports, fluid) = (self.mount()?.supports, self.displaced_mass(density));
+        let missed = force.less(&self.known);
+        self.spring_motion.as_mut()?.yield_to(&missed, &supports, &self.pose.rates(), c_0, &fluid, rounding)
+    }
+
+    /// Return the middle and half the length of its cells along an axis, m.
+    fn extent(&self, axis: usize) -> [f64; 2] {
+        let arms = self.cells.iter().map(|cell| cell.arm[axis]);
+        let [low, high] = arms.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], arm| [arm.min(l), arm.max(h)]);
+        [self.pose.position[axis] + 0.5 * (low + high), 0.5 * (high - low)]
+    }
+
+    /// Return whether a box around its cells meets that of another body.
+    pub fn may_share_cells(&self, other: &Self, grid: &Grid<D>) -> bool {
+        (0..D).all(|axis| {
+            let [[own, half], [middle, other]] = [self, other].map(|body| body.extent(axis));
+            grid.periodic(axis, own - middle).abs() < half + other + 0.5 * grid.spacing[axis]
+        })
     }
 
     /// Return its parameters.

@@ -211,7 +211,7 @@ where
         let Problem { bodies, thin, grid, timer, .. } = problem;
         let time = step.end;
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w);
+        bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w, grid);
         bodies.solve_contact(scheme.c[0], [time - step.dt, time], &present.carried, w)?;
         thin.place(step.stations, &bodies.rigid, grid);
         if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {

@@ -25,7 +25,7 @@ use line_fft::Real;
 use method::{ROD_RADIUS_CELLS, ROD_SECTION_CELLS};
 use nalgebra::SMatrix;
 
-use crate::bodies::{Bodies, Carried, Rigid};
+use crate::bodies::{Bodies, Carried, MOST_TURNS, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
@@ -359,33 +359,68 @@ where
     }
 
     /// Find the velocities of the bodies on springs together with the forces; return whether they were found.
+    ///
+    /// In turns, as those with a mask do, each answers what the others did to its markers.
     fn solve_springs(&mut self, c: [f64; 3], carried: &[Carried<D>], bodies: &mut Bodies<D>) -> bool {
-        for thin in &self.bodies[self.flexible.len()..] {
-            let rigid = &bodies.rigid[thin.number];
-            if rigid.mount().is_none() {
-                continue;
-            }
-            let (own, centre) = (thin.parts.markers(), rigid.pose.position);
-            for (k, response) in self.responses.iter_mut().enumerate() {
-                let motion = |marker: usize, markers: &Markers<D>| {
-                    let arm = || markers.get(marker).position - centre;
-                    if own.contains(&marker) { rigid::motion(k, &arm()) } else { Vector::zeros() }
-                };
-                if !self.drag.respond(motion, response) {
-                    return false;
+        let all = self.flexible.len()..self.bodies.len();
+        let is_solved = |k: &usize| bodies.rigid[self.bodies[*k].number].mount().is_some();
+        let turns = if all.clone().filter(is_solved).count() < 2 { 1 } else { MOST_TURNS };
+        for turn in 0..turns {
+            let mut changes = false;
+            for k in all.clone() {
+                match self.solve_springs_of(k, turn == 0, c, carried, bodies) {
+                    Some(own) => changes |= own,
+                    None => return false,
                 }
             }
-            let force = thin.force(&centre, &self.drag, self.density).0;
-            let MarkerDrag { markers, force: on_markers, .. } = &mut self.drag;
-            let drag = rigid::drag(force, own.clone(), &centre, markers, &self.responses, self.density);
-            let layer: f64 = own.clone().map(|k| markers.get(k).layer).sum();
-            let share = bodies.rigid[thin.number].displaced_mass(1.0).mass / layer;
-            let sliding = rigid::sliding(own.clone(), &centre, markers, self.density * share);
-            if let Some(change) = bodies.solve_springs_of(thin.number, c, carried, drag, &sliding) {
-                rigid::change(&change, own, &centre, &self.responses, markers, on_markers);
+            if !changes {
+                break;
             }
         }
         true
+    }
+
+    /// Find the velocities of a body by its number in `bodies`, the `first` time or once more, and return whether they
+    /// changed; none if the forces were not found.
+    fn solve_springs_of(
+        &mut self,
+        body: usize,
+        first: bool,
+        c: [f64; 3],
+        carried: &[Carried<D>],
+        bodies: &mut Bodies<D>,
+    ) -> Option<bool> {
+        let thin = &self.bodies[body];
+        let rigid = &bodies.rigid[thin.number];
+        if rigid.mount().is_none() {
+            return Some(false);
+        }
+        let (own, centre) = (thin.parts.markers(), rigid.pose.position);
+        let force = thin.force(&centre, &self.drag, self.density).0;
+        let layer: f64 = own.clone().map(|k| self.drag.markers.get(k).layer).sum();
+        let share = rigid.displaced_mass(1.0).mass / layer;
+        let sliding = rigid::sliding(own.clone(), &centre, &self.drag.markers, self.density * share);
+        let answer = if first { None } else { bodies.answer_of(thin.number, &force, c[0], &sliding) };
+        if !first && answer.is_none() {
+            return Some(false);
+        }
+        for (k, response) in self.responses.iter_mut().enumerate() {
+            let motion = |marker: usize, markers: &Markers<D>| {
+                let arm = || markers.get(marker).position - centre;
+                if own.contains(&marker) { rigid::motion(k, &arm()) } else { Vector::zeros() }
+            };
+            if !self.drag.respond(motion, response) {
+                return None;
+            }
+        }
+        let MarkerDrag { markers, force: on_markers, .. } = &mut self.drag;
+        let drag = rigid::drag(force, own.clone(), &centre, markers, &self.responses, self.density);
+        let change = answer.or_else(|| bodies.solve_springs_of(thin.number, c, carried, drag, &sliding));
+        if let Some(change) = change {
+            bodies.rigid[thin.number].known = drag.after(&change);
+            rigid::change(&change, own, &centre, &self.responses, markers, on_markers);
+        }
+        Some(change.is_some())
     }
 
     /// Write the loads on the nodes of the flexible bodies in a local solve with `right_side` at a grid point; `add` adds

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
+use nervure_rod::{BaseMotion, Error, Parameters, Rod, RootSupport, Scheme, Section};
 use scene::{RootLaws, Rotation, TimeLaw};
 
 use crate::common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
@@ -352,5 +352,34 @@ fn rigid_tip_of_a_curved_rod_turns_with_its_root() {
             let found = rod.rigid_tip_displacement()[axis];
             assert!((found - expected).abs() < 1e-12, "{angle}, axis {axis}: {found} against {expected}");
         }
+    }
+}
+
+/// A rod whose root moves uniformly from the start falls like one whose root stands, whatever holds it.
+#[test]
+fn a_root_in_uniform_motion_changes_nothing() {
+    const VELOCITY: [f64; 2] = [0.7, -0.4];
+    for support in [RootSupport::Clamped, RootSupport::Pinned] {
+        let tip = |speed: f64| {
+            let velocity = VELOCITY.map(|v| speed * v);
+            let at = |t: f64| BaseMotion {
+                position: velocity.map(|v| v * t),
+                velocity,
+                direction: [1.0, 0.0],
+                direction_rate: [0.0; 2],
+            };
+            let own = unit_rod::<2>(8, 1e4, Scheme::Bdf2);
+            let mut rod = Rod::new(Parameters { gravity: [0.3, -1.0], support, ..own }).unwrap();
+            rod.place(at(0.0)).unwrap();
+            for step in 1..=100 {
+                rod.base_motion = Some(at(0.01 * f64::from(step)));
+                rod.step(0.01).unwrap();
+            }
+            let moved = rod.tip_displacement();
+            [0, 1].map(|d| moved[d] - velocity[d])
+        };
+        let [still, moving] = [tip(0.0), tip(1.0)];
+        let off = (0..2).map(|d| (still[d] - moving[d]).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9 && still[1].abs() > 0.01, "{off}: {moving:?} against {still:?}");
     }
 }
