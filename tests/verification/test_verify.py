@@ -165,7 +165,7 @@ def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, t
         ({"quantities": ["tip_u"]}, "the quantity `tip_u` is not in the results"),
         ({"quantities": ["wall_s"]}, "`wall_s` is not in the results: there are tip_ux, tip_uy"),
         ({"quantities": ["lift"]}, "`lift` is not in the results: there are tip_ux, tip_uy, tip_ux_mean"),
-        ({"within": 0.0}, "within is 0.0, but must be a number above 0"),
+        ({"within": 0.0}, "within is 0.0, but must be a finite number above 0"),
     ],
 )
 def test_bad_input_is_refused_in_words_before_any_run(bar, tmp_path, how, words, monkeypatch):

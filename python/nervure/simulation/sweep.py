@@ -403,7 +403,7 @@ def _connected(scheduler: Any) -> Iterator[Any]:
     distributed = require("distributed", "a sweep")
     try:
         client = distributed.Client(scheduler, timeout=CONNECT_S)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:
         raise InputError(
             f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are on "
             "this machine"
