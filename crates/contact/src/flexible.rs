@@ -311,7 +311,9 @@ where
         let points = |[i, j]: &[usize; 2]| parts[*i].points.len() + parts[*j].points.len();
         let of_parts = pairs.iter().map(|(pair, _)| points(pair)).sum::<usize>();
         let on_bodies = bodies.len() * parts.iter().map(|part| part.points.len()).sum::<usize>();
-        let touches = Vec::with_capacity(of_parts + on_bodies + body_pairs.len());
+        let of_bodies = body_pairs.iter().map(|(pair, _)| pair.count()).sum::<usize>();
+        let touches = Vec::with_capacity(of_parts + on_bodies + of_bodies);
+        let fast = Vec::with_capacity(pairs.len() + bodies.len() * parts.len() + body_pairs.len());
         (!pairs.is_empty() || !bodies.is_empty()).then(|| Self {
             parts,
             pairs,
@@ -323,7 +325,7 @@ where
             pushes,
             touches,
             energy: 0.0,
-            fast: Vec::new(),
+            fast,
         })
     }
 

@@ -1,8 +1,8 @@
 //! Contact of lines and surfaces that others move, by the loads that it announces.
 
 use nervure_contact::{
-    ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Party, Pose, Skin, Stations,
-    largest_stiffness,
+    BodyLaw, ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Party, Pose, Skin,
+    Stations, largest_stiffness,
 };
 
 const STEP: f64 = 5e-3;
@@ -250,4 +250,32 @@ fn a_bounce_goes_on_from_its_state_to_the_bit() {
     pair.contact.target[1].position[0][4] = f64::NAN;
     let error = pair.contact.advance(STEP).expect_err("it is no number").to_string();
     assert!(error.contains("station 5 of 2") && *pair.contact.state() == before, "{error}");
+}
+
+/// A line that falls too fast on one of two blocks that meet too fast with many corners.
+#[test]
+fn first_and_fast_meetings_in_many_points_allocate_nothing() {
+    let nodes = Line::upper(1.6, 0.33, [0.0; 2]).nodes();
+    let skin = Skin { radius: vec![RADIUS; 9], largest_stiffness: largest_stiffness(2.0, STEP), mass: 2.0 };
+    let mut stations = [Stations::at_rest(&nodes)];
+    stations[0].velocity[1].fill(-50.0);
+    let law = BodyLaw { range: 0.1, stiffness: 1e9, damping: 0.0, friction: 0.3, film: None, dt: STEP };
+    let body = |number| MountedBody {
+        law: Some(law),
+        ..MountedBody::new(number, Obstacle::block([0.0; 2], [0.3, 0.3], 0.0), [1.0, 0.1])
+    };
+    let line = [FlexibleBody { nodes: &nodes, triangles: None, skin: Some(&skin) }];
+    let at = |number: usize| {
+        let place = [0.0, [0.0, -0.62][number]];
+        let pose = rigid::Pose { velocity: [0.0, [0.0, 50.0][number]].into(), ..rigid::Pose::default() };
+        Some((Pose::at(place), rigid::Pose { position: place.into(), ..pose }))
+    };
+    let [blocks, with_line] = [[Party::Body(0), Party::Body(1)], [Party::Flexible(0), Party::Body(0)]];
+    for (lines, expected) in [(0, vec![blocks]), (1, vec![with_line, blocks])] {
+        let contact = FlexibleContact::new(&line[..lines], vec![body(0), body(1)], &LAW, [f64::INFINITY; 2]);
+        let mut contact = contact.expect("two may touch");
+        let counted = allocation_counter::measure(|| contact.find(&stations[..lines], at, STEP));
+        assert_eq!(contact.fast().iter().map(|met| met.parties).collect::<Vec<_>>(), expected);
+        assert_eq!(counted.count_total, 0, "{lines} lines");
+    }
 }
