@@ -279,3 +279,23 @@ fn first_and_fast_meetings_in_many_points_allocate_nothing() {
         assert_eq!(counted.count_total, 0, "{lines} lines");
     }
 }
+
+/// Sheets of few large triangles have thousands of points each.
+#[test]
+fn the_memory_of_coarse_and_fine_bodies_is_known_beforehand() {
+    for (side, radius, bodies) in [(1, 1e-3, 3), (1, 0.05, 2), (40, 0.02, 2)] {
+        let at = |k: usize| [(k % (side + 1)) as f64 / side as f64, (k / (side + 1)) as f64 / side as f64, 0.0];
+        let nodes: Vec<_> = (0..(side + 1) * (side + 1)).map(at).collect();
+        let corner = |k: usize| k % side + k / side * (side + 1);
+        let halves = |k| [[k, k + 1, k + side + 2], [k, k + side + 2, k + side + 1]];
+        let triangles: Vec<_> = (0..side * side).map(corner).flat_map(halves).collect();
+        let skin = Skin { radius: vec![radius; nodes.len()], largest_stiffness: 1e3, mass: 1.0 };
+        let sheet = FlexibleBody { nodes: &nodes, triangles: Some(&triangles), skin: Some(&skin) };
+        let sheets = vec![sheet; bodies];
+        let counted = allocation_counter::measure(|| {
+            drop(FlexibleContact::new(&sheets, vec![], &LAW, [f64::INFINITY; 3]));
+        });
+        let (said, most) = (FlexibleContact::bytes(&sheets, 0) as f64, counted.bytes_max as f64);
+        assert!(said >= most && said <= 4.0 * most, "{side} along a side, {radius} m: {said} for {most} bytes");
+    }
+}
