@@ -487,6 +487,8 @@ def verify(
     force, quiet = arguments.flag("force", force), arguments.flag("quiet", quiet)
     given = _scene(scene, overrides)
     folder = Path("results") / f"verify-{given.name}" if output is None else arguments.path("output", output)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"cannot write into the result folder {folder}: it is a file")
     console = shown.text_console(quiet)
     if likely := prior.expected(Facts(given)):
         console.print(likely, markup=False, soft_wrap=True)

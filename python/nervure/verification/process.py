@@ -177,10 +177,10 @@ class Verification:
             if self.rows and self.left <= 0:
                 return []
             if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
-                left = f", of which a first run left {forecast.duration(max(self.left, 0.0))}," if self.rows else ""
+                used, left = "a first run" if self.rows else "the first steps", forecast.duration(max(self.left, 0.0))
                 raise InputError(
-                    f"the budget of {forecast.duration(self.budget)}{left} is too small for two runs of "
-                    f"{self.scene.name}: the cheapest two take about {forecast.duration(cheapest)}"
+                    f"the budget of {forecast.duration(self.budget)}, of which {used} left {left}, is too small "
+                    f"for two runs of {self.scene.name}: the cheapest two take about {forecast.duration(cheapest)}"
                 )
         if top > 1.0:
             self._announce(settings)
