@@ -299,3 +299,25 @@ fn the_memory_of_coarse_and_fine_bodies_is_known_beforehand() {
         assert!(said >= most && said <= 4.0 * most, "{side} along a side, {radius} m: {said} for {most} bytes");
     }
 }
+
+/// A refused step leaves the contact as it was, and a state with works that are no numbers is refused.
+#[test]
+fn what_is_too_large_for_numbers_is_refused() {
+    let lines = || [Line::upper(1.6, 0.02, [0.0; 2]), Line::lower(1.6)];
+    let mut pair = Pair::new(lines(), &LAW);
+    pair.step();
+    let before = (pair.contact.state().clone(), pair.contact.loads().to_vec());
+    for velocity in [1e160, 1e300] {
+        pair.give();
+        pair.contact.target[0].velocity[1].fill(-velocity);
+        let refused = (0..3).find_map(|_| pair.contact.advance(STEP).err());
+        assert!(refused.is_some_and(|why| why.to_string().contains("so large")), "{velocity} m/s");
+        assert!(pair.contact.exchange().iter().all(|own| own.power.is_finite() && own.work.is_finite()));
+        pair.contact.restore(&before.0).unwrap();
+        assert_eq!(pair.contact.loads(), &before.1[..]);
+    }
+    pair.give();
+    let counted = allocation_counter::measure(|| assert!(pair.contact.advance(f64::MAX).is_err()));
+    assert_eq!((pair.contact.state(), pair.contact.loads()), (&before.0, &before.1[..]));
+    assert_eq!(counted.count_total, 0);
+}
