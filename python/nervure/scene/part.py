@@ -50,7 +50,7 @@ class TypeFault(SceneError, ValueError):
 
 def refusal(error: ValidationError) -> TypeFault:
     """Return the innermost reason why a part does not have its types as a sentence with key and value."""
-    faults = error.errors(include_url=False)
+    faults = [one | {"loc": one["loc"] or ("",)} for one in error.errors(include_url=False)]
     depth = max(len(one["loc"]) for one in faults)
     deepest = [one for one in faults if len(one["loc"]) == depth]
     # Of a value that has one of several keys, a key is unknown where no choice knows it.
@@ -76,7 +76,7 @@ def refusal(error: ValidationError) -> TypeFault:
     reason = found["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     reason = re.sub(r"a valid dictionary or instance of \w+", "an object", reason)
     short = shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}…"
-    return TypeFault(f"`{key}` is {short}, but {reason}")
+    return TypeFault(f"{f'`{key}`' if key else 'it'} is {short}, but {reason}")
 
 
 if TYPE_CHECKING:
