@@ -3,8 +3,8 @@
 use method::Support;
 use nalgebra::{Matrix3, UnitQuaternion, UnitVector3, Vector3};
 use rigid::{
-    Body, BodyParameters, Drag, FluidLoad, Flyer, FlyerState, Force, Freedoms, HingeTurn, Mass, Placed, RootResponse,
-    nearest,
+    Body, BodyParameters, BodyState, Drag, FluidLoad, Flyer, FlyerState, Force, Freedoms, HingeTurn, Mass, Placed,
+    RootResponse, nearest,
 };
 use scene::{FlyerHinge, FreedomName, Scene};
 use serde::{Deserialize, Serialize};
@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::touch::Touch;
 
 const BUILT: &str = "an instance has a body";
+
+/// Largest difference of the norm of a quaternion from 1, which rounding makes.
+const TURNED: f64 = 1e-6;
 
 /// The unit of a free body.
 pub struct BodyUnit {
@@ -237,6 +240,10 @@ impl BodyUnit {
     pub fn restore(&mut self, state: &UnitState) -> Result<(), String> {
         if !state.flyer.body.now.is_finite() || !state.flyer.body.before.is_finite() {
             return Err("the place of the body is no finite number".into());
+        }
+        let BodyState { now, before, last_step, .. } = &state.flyer.body;
+        if [now, before].iter().any(|own| (own.orientation.coords.norm() - 1.0).abs() > TURNED) || *last_step < 0.0 {
+            return Err("the body is turned by no rotation, or its last step is negative".into());
         }
         self.build()?;
         self.flyer.as_mut().expect(BUILT).restore(&state.flyer);

@@ -3,11 +3,11 @@
 mod variables;
 
 use adapter::{Dimensions, either, of_both};
-use contact::{ContactCoupling, CouplingState, FlexibleBody, Law, Skin};
+use contact::{ContactCoupling, CouplingState, FlexibleBody, FlexibleContact, Law, Skin};
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::{Contact, Scene};
 
-/// Memory of a station with its loads and the points that touch around it, rounded up, bytes.
+/// Memory of a station with its variables, rounded up, bytes.
 const BYTES_PER_STATION: usize = 20_000;
 /// Memory of a station in a state, rounded up, bytes.
 const STATE_BYTES_PER_STATION: usize = 150;
@@ -25,8 +25,8 @@ struct ContactUnit {
 /// Contact in the plane or in space.
 type Coupling = Dimensions<ContactCoupling<2>, ContactCoupling<3>>;
 
-/// Return the contact of the rods and wings of a scene at rest.
-fn coupling<const D: usize>(scene: &Scene, own: &Contact) -> ContactCoupling<D>
+/// Return the contact of the rods and wings of a scene at rest; fails if there is no memory for it.
+fn coupling<const D: usize>(scene: &Scene, own: &Contact) -> Result<ContactCoupling<D>, String>
 where
     [f64; D]: rigid::Kinematics<D>,
 {
@@ -49,7 +49,8 @@ where
         friction: own.friction,
         film: None,
     };
-    ContactCoupling::new(&bodies, &law, scene.time.communication_step)
+    require_memory(FlexibleContact::bytes(&bodies, 0))?;
+    Ok(ContactCoupling::new(&bodies, &law, scene.time.communication_step))
 }
 
 /// Return the contact of a scene; an error where something else couples its rods and wings.
@@ -57,7 +58,7 @@ fn of_scene(scene: &Scene) -> Result<Coupling, String> {
     let own = scene.contact.as_ref().filter(|_| scene.is_coupled_by_contact());
     let own = own.ok_or_else(|| format!("the scene {:?} has no rods or wings that contact couples", scene.name))?;
     let is_plane = scene.beams().next().is_some_and(|beam| scene.dimension(beam) == 2);
-    Ok(if is_plane { Coupling::Plane(coupling(scene, own)) } else { Coupling::Space(coupling(scene, own)) })
+    Ok(if is_plane { Coupling::Plane(coupling(scene, own)?) } else { Coupling::Space(coupling(scene, own)?) })
 }
 
 impl Model for ContactUnit {

@@ -1,14 +1,13 @@
 """The Python interface: the functions of `nervure`, and the class of a run."""
 
-import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+from contextlib import ExitStack, nullcontext
 from functools import partial
-from numbers import Real as Number
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nervure import arguments
 from nervure.catalogue import hint
 from nervure.coupling import Drive
 from nervure.errors import InputError
@@ -76,6 +75,7 @@ class Run(results.Results):
         The run needs `fields_every`."""
         from nervure.output import fields
 
+        begin, end = arguments.if_given("begin", begin), arguments.if_given("end", end)
         return fields.dataset(self.folder, begin, end)  # type: ignore[no-any-return, unused-ignore]
 
     def plot_field(
@@ -93,7 +93,8 @@ class Run(results.Results):
         _prepare_notebook()
         from nervure.output import animation
 
-        return animation.plot_field(self.folder, name, time, animation.Part(across, at, crop))
+        name, time = arguments.text("name", name), arguments.if_given("time", time)
+        return animation.plot_field(self.folder, name, time, animation.Part(across, at, crop).checked())
 
     def plot_vortices(
         self,
@@ -109,17 +110,18 @@ class Run(results.Results):
         that is shown along each axis, m. The run needs `fields_every`."""
         from nervure.output import animation, vortices
 
-        look = vortices.Look(q, camera, background)
-        return animation.plot_vortices(self.folder, time, look, animation.Part(crop=crop))
+        look, time = vortices.Look(q, camera, background), arguments.if_given("time", time)
+        return animation.plot_vortices(self.folder, time, look, animation.Part(crop=crop).checked())
 
     def plot(self, *names: str) -> "Figure":
         """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
-        self._require(names)
+        shown = arguments.texts("names", names)
+        self._require(shown)
         _prepare_notebook()
         from nervure.evaluate import benchmark
         from nervure.output import plots
 
-        return plots.over_time({self.scene.name: self}, names, benchmark.reference(self.scene))
+        return plots.over_time({self.scene.name: self}, shown, benchmark.reference(self.scene))
 
     def _require(self, names: Iterable[str]) -> None:
         """Raise `InputError` where there are no `names`, or one was not recorded."""
@@ -146,7 +148,8 @@ class Run(results.Results):
         are those of `plot_field` and `plot_vortices`. The run needs `fields_every`."""
         from nervure.output import animation, vortices
 
-        part, look = animation.Part(across, at, crop), vortices.Look(q, camera, background)
+        part, look = animation.Part(across, at, crop).checked(), vortices.Look(q, camera, background)
+        begin, end = arguments.if_given("begin", begin), arguments.if_given("end", end)
         return animation.write(self.folder, begin, end, part, look)
 
 
@@ -168,8 +171,12 @@ def compare(*runs: Run, names: str | Sequence[str] = ("tip_ux", "tip_uy")) -> "F
     has axes for each."""
     if not runs:
         raise InputError("there is no run to draw")
-    names = [names] if isinstance(names, str) else names
+    names = arguments.texts("names", names)
     for run in runs:
+        if not isinstance(run, Run):
+            raise InputError(
+                f"a run is {arguments.shown(run)}, but must be what `nervure.run` or `nervure.read` returns"
+            )
         run._require(names)
     _prepare_notebook()
     from nervure.evaluate import benchmark
@@ -232,22 +239,18 @@ def run(
     """
     from nervure.output.console import announce
 
-    if not isinstance(scene, Scene):
-        scene = load(scene, overrides)
-    elif overrides := list(overrides):
-        raise InputError(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
-    scene = with_files(scene)
-    if fmi not in (2, 3):
-        raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
-    if output == "":
-        raise InputError("the output is empty, but it must be the path of a folder")
-    if on_step is not None and not callable(on_step):
-        raise InputError(f"on_step is {on_step!r}, but must be a function of time and row")
+    scene = _scene(scene, overrides)
+    if not (isinstance(fmi, int) and fmi in (2, 3)):
+        raise InputError(f"fmi is {arguments.shown(fmi)}, but must be 2 or 3")
+    if on_step is not None:
+        arguments.function("on_step", on_step, "time and row")
+    force, quiet, live = (arguments.flag(*own) for own in (("force", force), ("quiet", quiet), ("live", live)))
     if fields_every is not None:
         require("h5py", "writing fields")  # before units are packed
-    folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
+    folder = None if output is None else arguments.path("output", output)
+    foreign = _foreign(scene, rod_fmu, fluid_fmu)
     given = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    options = {name: _duration(name, value) for name, value in given.items()}
+    options = {name: arguments.if_given(name, value, least=0.0) for name, value in given.items()}
     place = folder or Path("results") / scene.name
     with claimed(place), undone_on_error(place) as keep:
         if not quiet:
@@ -271,31 +274,33 @@ def resume(
     raises."""
     from nervure.output.console import announce
 
-    folder = Path(folder)
+    folder, end_time = arguments.path("folder", folder), arguments.if_given("end_time", end_time, least=0.0)
+    quiet, live = arguments.flag("quiet", quiet), arguments.flag("live", live)
     with claimed(folder) if folder.is_dir() else nullcontext():
-        session, options = checkpoint.resume(folder, _duration("end_time", end_time), drive)
+        session, options = checkpoint.resume(folder, end_time, drive)
         if not quiet:
             announce(session.facts)
         return _run(session, options, quiet, live, started=lambda: None)
 
 
-def _duration(name: str, value: Any) -> float | None:
-    """Return an option as a number, if it is given; raise `InputError` where it is no finite number of at least 0."""
-    if value is None:
-        return None
-    with suppress(OverflowError):
-        if isinstance(value, Number) and not isinstance(value, bool) and 0 <= float(value) < math.inf:
-            return float(value)
-    raise InputError(f"{name} is {value!r}, but must be a finite number of at least 0")
+def _scene(scene: Scene | str | Path, overrides: Iterable[str]) -> Scene:
+    """Return a scene, an object or a name, with what its files hold; only one that is read takes `overrides`."""
+    overrides = arguments.texts("overrides", overrides)
+    if not isinstance(scene, Scene):
+        return load(scene, overrides)
+    if overrides:
+        raise InputError(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+    return with_files(scene)
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:
     """Return the FMUs in the place of ours by unit; raise `InputError` for a rod or wing that the scene lacks."""
     if rod_fmu is not None and not isinstance(rod_fmu, Mapping):
         if scene.rods:
-            raise InputError(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
-        rod_fmu = {"rod": rod_fmu}
-    foreign = {name: Path(path) for name, path in (rod_fmu or {}).items()}
+            given = arguments.shown(rod_fmu)
+            raise InputError(f"rod_fmu is {given}, but the scene has several rods: it must be a dict by their names")
+        rod_fmu = {"rod": arguments.path("rod_fmu", rod_fmu)}
+    foreign = {name: arguments.path(f"the FMU of {name}", path) for name, path in (rod_fmu or {}).items()}
     names = [own.name for own in scene.rods] or (["rod"] if scene.rod else [])
     wings = [own.name for own in scene.wings] or (["wing"] if scene.wing else [])
     for name in foreign:
@@ -304,9 +309,12 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
             known = f"the rods {', '.join(names)}" if scene.rods else one
             known += f" and the wings {', '.join(wings)}" if wings else ""
             raise InputError(f"an FMU is given for the rod `{name}`, but the scene has {known}")
-    if fluid_fmu and not scene.fluid:
+    if fluid_fmu is None:
+        return foreign
+    fluid_fmu = arguments.path("fluid_fmu", fluid_fmu)
+    if not scene.fluid:
         raise InputError(f"the FMU {fluid_fmu} is given for the fluid, but the scene has no fluid")
-    return foreign | ({"fluid": Path(fluid_fmu)} if fluid_fmu else {})
+    return foreign | {"fluid": fluid_fmu}
 
 
 class Caller(Observer):
@@ -399,15 +407,19 @@ def sweep(
 
     Raise `InputError` where an argument cannot be used and `KeyboardInterrupt` where the sweep was interrupted.
     """
-    if workers is not None and scheduler is not None:
-        raise InputError("workers are for runs on this machine; those of a scheduler are its own")
-    several = [scenes] if isinstance(scenes, Scene | str | Path | Mapping) else scenes
+    workers = _workers(workers, scheduler)
+    force, quiet = arguments.flag("force", force), arguments.flag("quiet", quiet)
+    several = [*scenes] if isinstance(scenes, Iterable) and not isinstance(scenes, _ONE_SCENE) else [scenes]
     if not several:
         raise InputError("there is no scene to sweep")
-    bases = [one if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
+    overrides = arguments.texts("overrides", overrides)
+    bases = [_scene(one, overrides) if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
+    if not isinstance(vary, Mapping):
+        raise InputError(f"vary is {arguments.shown(vary)}, but must be a dictionary of the values by scene key")
     cases = sweeps.grid(bases, [_variation(keys, values) for keys, values in vary.items()])
-    folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(document(bases[0]))}"
-    todo = sweeps.missing_cases(cases, folder, retry_failed)
+    default = Path("results") / f"sweep-{sweeps.path_name(document(bases[0]))}"
+    folder = default if output is None else arguments.path("output", output)
+    todo = sweeps.missing_cases(cases, folder, arguments.flag("retry_failed", retry_failed))
     from nervure.output.console import text_console
 
     console = text_console(quiet)
@@ -469,26 +481,39 @@ def verify(
     from nervure.output import console as shown, prior
     from nervure.verification import process, report
 
-    for name, value in {"within": within, "budget": budget}.items():
-        if not (isinstance(value, Number) and value > 0):
-            raise InputError(f"{name} is {value!r}, but must be a number above 0")
-    if workers is not None and scheduler is not None:
-        raise InputError("workers are for runs on this machine; those of a scheduler are its own")
-    given = with_files(scene) if isinstance(scene, Scene) else load(scene, overrides)
-    folder = Path(output) if output is not None else Path("results") / f"verify-{given.name}"
+    within, budget = (arguments.number(*own, least=arguments.ABOVE) for own in (("within", within), ("budget", budget)))
+    wanted, varied = arguments.texts("quantities", quantities), arguments.texts("parameters", parameters)
+    workers = _workers(workers, scheduler)
+    force, quiet = arguments.flag("force", force), arguments.flag("quiet", quiet)
+    given = _scene(scene, overrides)
+    folder = Path("results") / f"verify-{given.name}" if output is None else arguments.path("output", output)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"cannot write into the result folder {folder}: it is a file")
     console = shown.text_console(quiet)
     if likely := prior.expected(Facts(given)):
         console.print(likely, markup=False, soft_wrap=True)
-    options = quantities, parameters, workers, scheduler, force, console
-    outcome = process.Verification(given, folder, float(within), float(budget), *options).run()
+    options = wanted, varied, workers, scheduler, force, console
+    outcome = process.Verification(given, folder, within, budget, *options).run()
     report.print_outcome(console, outcome, folder, report.write(outcome, folder))
     return outcome
 
 
+_ONE_SCENE = Scene, str, Path, bytes, Mapping
+
+
+def _workers(workers: int | None, scheduler: str | None) -> int | None:
+    """Return the number of workers of this machine; raise `InputError` for one beside a scheduler."""
+    if workers is not None and scheduler is not None:
+        raise InputError("workers are for runs on this machine; those of a scheduler are its own")
+    return None if workers is None else arguments.count("workers", workers)
+
+
 def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Variation:
     """Return the values of each key; raise `InputError` where a tuple of keys has values of another length."""
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise InputError(f"the values of {keys} are {values!r}, but must be a list")
+    if not (isinstance(keys, str) or (isinstance(keys, tuple) and all(isinstance(key, str) for key in keys))):
+        raise InputError(f"vary has the key {arguments.shown(keys)}, but it must be a scene key or a tuple of them")
+    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+        raise InputError(f"the values of {keys} are {arguments.shown(values)}, but must be a list")
     rows = plain(list(values))
     if not rows:
         raise InputError(f"there are no values of {keys}")
@@ -507,4 +532,4 @@ def read(folder: str | Path) -> Run:
     >>> nervure.read(folder / "short").summary.steps
     20
     """
-    return Run(**vars(results.read(Path(folder))))
+    return Run(**vars(results.read(arguments.path("folder", folder))))

@@ -1,6 +1,7 @@
 """Files that appear only when they are complete, and numbers that JSON has."""
 
 import csv
+import json
 import math
 import os
 import sys
@@ -12,6 +13,14 @@ from typing import Any, TextIO
 from nervure.errors import InputError
 
 LOCK = ".running"  # File in a folder that a run writes into
+
+
+def read_json(path: Path) -> Any:
+    """Return what a file holds; raise `OSError` where it cannot be read, and `ValueError` where it is not JSON."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise ValueError("lists and objects are nested too deep") from None
 
 
 def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:

@@ -269,7 +269,7 @@ def test_a_structure_of_contact_connects_all_inputs_of_both_versions_of_fmi(tmp_
         ),
         (
             crossing(rods=[own | {"name": name} for own, name in zip(crossing()["rods"], ("one", "Contact"))]),
-            "another",
+            "names of other units",
         ),
     ],
 )

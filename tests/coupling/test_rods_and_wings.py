@@ -259,5 +259,5 @@ def test_a_rod_with_the_name_of_the_wing_is_refused():
     scene = listed() | {"wing": WING}
     del scene["wings"]
     scene["rods"][0]["name"] = "Wing"
-    with pytest.raises(SceneError, match=r'`rods\[0\].name` is "Wing", but another unit of the scene has this name'):
+    with pytest.raises(SceneError, match=r'name` is "Wing", but `rod`, `wing`, `body`, `fluid` and `contact` are'):
         describe_all(scene)

@@ -132,7 +132,8 @@ def test_powers_agree_where_the_fluid_divides_a_step(tmp_path):
     was missing."""
     heavy = ["rod.material.section.line_density=1", 'coupling={"guards": {"window_steps": 200}}', "time.end=5"]
     summary = flag(tmp_path, *heavy, "time.communication_step=0.02", "fluid.time_stepping.max_step=0.02").summary
-    assert summary.warnings is None and summary.iterations_mean > 1.1
+    powers = [text for text in summary.warnings or [] if "exchanged" in text]
+    assert not powers and summary.iterations_mean > 1.1
 
 
 def test_a_filament_that_heaves_swims(tmp_path):

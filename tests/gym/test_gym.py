@@ -185,6 +185,22 @@ def test_an_episode_is_truncated_by_the_step_that_reaches_the_end_of_the_scene()
         ({"starts": (0.0, -1.0)}, "a start is at -1.0 s, but must be from 0 to before the end of the scene, 6 s"),
         ({"steps": 0}, "steps is 0, but must be a whole number from 1 to 100000"),
         ({"steps": 10**9}, "steps is 1000000000, but must be a whole number from 1 to 100000"),
+        ({"steps": True}, "steps is True, but must be a whole number"),
+        ({"actions": ["root.y"]}, "an action is 'root.y', but must be a `nervure.gym.Action`"),
+        ({"actions": gym.Action("root.y", -1, 1, 1)}, "actions is Action.*, but must be a list of"),
+        ({"actions": [gym.Action("root.y", "-1", 1, 1)]}, "`low` of the action root.y is '-1', but must be a finite"),  # type: ignore[arg-type]
+        ({"observed": ["tip_uy"]}, "observed is .*, but must be a dictionary of scales by column"),
+        ({"observed": {"tip_uy": "1"}}, "the scale of tip_uy is '1', but must be a finite number"),
+        ({"reward": None}, "reward is None, but must be a function of values and action"),
+        ({"ends": 5}, "ends is 5, but must be a function of values"),
+        ({"before": 5}, "before is 5, but must be a function of observation and time"),
+        (
+            {"before": lambda _seen, _time: [0.0, 0.0], "starts": (0.5,)},
+            "what `before` returns is .*, but must be 1 finite",
+        ),
+        ({"starts": 0.5}, "starts is 0.5, but must be a list of finite numbers"),
+        ({"failed": None}, "failed is None, but must be a finite number"),
+        ({"cache": "/dev/null/x"}, "cannot write into the folder `cache`, /dev/null/x"),
         ({"render_mode": "human"}, "render_mode is 'human', but must be None or rgb_array"),
     ],
 )

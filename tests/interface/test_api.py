@@ -6,6 +6,7 @@ import pydoc
 import signal
 import sys
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -270,6 +271,51 @@ def test_a_field_is_drawn_at_a_time(name, with_fields):
     ],
 )  # fmt: skip
 def test_a_slip_in_python_is_answered_with_what_was_meant(ask, said, with_fields):
+    with pytest.raises(nervure.InputError, match=said):
+        ask(with_fields)
+
+
+loose: Any = nervure
+"""The package without its types."""
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda run: run.scene.copy({5: 6}), "a key is 5, but must be a text such as `time.end`"),
+        (lambda run: run.scene.copy({"\ud800": 6}), "a key is .*, but must be a text"),
+        (lambda run: run.scene.copy({"é": 6}), "unknown key `é`"),
+        (lambda run: run.scene.copy([5]), r"changes are \[5\], but must be a dictionary"),
+        (lambda run: loose.sweep("csm1", {5: [1]}), "vary has the key 5, but it must be a scene key"),
+        (lambda run: loose.sweep("csm1", ["time.end"]), r"vary is \['time.end'\], but must be a dictionary"),
+        (lambda run: loose.sweep("csm1", {"time.end": b"12"}), "are b'12', but must be a list"),
+        (lambda run: loose.sweep(run.scene, {}, overrides=["time.end=1"]), "is changed by its attributes"),
+        (lambda run: loose.sweep(5, {}), "the scene is a int"),
+        (lambda run: loose.sweep("csm1", {}, workers=0), "workers is 0, but must be a whole number of at least 1"),
+        (lambda run: loose.verify(run.scene, overrides=["time.end=1"]), "is changed by its attributes"),
+        (lambda run: loose.verify("csm1", quantities=[5]), r"quantities is \[5\], but must be a text or a list"),
+        (lambda run: loose.verify("csm1", budget=float("inf")), "budget is inf, but must be a finite number above 0"),
+        (lambda run: loose.load("csm1", 5), "overrides is 5, but must be a text or a list of texts"),
+        (lambda run: loose.load("csm1", end_time="2"), "end_time is '2', but must be a finite number"),
+        (lambda run: loose.read(["x"]), r"folder is \['x'\], but must be a path"),
+        (lambda run: loose.resume("a\0b"), "folder is .*, but must be a path"),
+        (lambda run: loose.run("csm1", ""), "output is '', but must be a path"),
+        (lambda run: loose.run("csm1", run.folder / "x", force="no"), "force is 'no', but must be True or False"),
+        (lambda run: loose.run("csm1", run.folder / "x", rod_fmu=5), "rod_fmu is 5, but must be a path"),
+        (lambda run: loose.run("csm1", run.folder / "x", fmi=[2]), r"fmi is \[2\], but must be 2 or 3"),
+        (lambda run: loose.compare("results"), "a run is 'results', but must be what `nervure.run`"),
+        (lambda run: loose.compare(run, names=5), "names is 5, but must be a text or a list of texts"),
+        (lambda run: run.plot(5), r"names is \(5,\), but must be a text"),
+        (lambda run: run.fields("0"), "begin is '0', but must be a finite number"),
+        (lambda run: run.plot_field("u", time="0"), "time is '0', but must be a finite number"),
+        (lambda run: run.plot_field("u", crop="all"), "crop is 'all', but must be a list of finite numbers"),
+        (lambda run: run.plot_field(at=float("nan")), "at is nan, but must be a finite number"),
+        (lambda run: run.animate(across=5), "across is 5, but must be x, y or z"),
+        (lambda run: run.animate(q="1"), "q is '1', but must be a finite number above 0"),
+        (lambda run: run.animate(background=5), "background is 5, but must be a text"),
+    ],
+)
+def test_a_wrong_key_or_value_is_refused_by_the_name_of_its_argument(ask: Any, said: str, with_fields):
     with pytest.raises(nervure.InputError, match=said):
         ask(with_fields)
 

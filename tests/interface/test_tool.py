@@ -312,18 +312,29 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
 
 def test_results_that_are_damaged_are_said(result):
     folder = result("falling")
-    header, start, *_ = (folder / "series.csv").read_text().splitlines()
+    sound = (folder / "series.csv").read_text()
+    header, start, *_ = sound.splitlines()
     for lines, words in (
         (["time,tip_uy", "0.0,zero"], "could not convert"),
         (["time,tip_uy", "0.0,0.0"], "lacks the column"),
         ([header, ""], "has no rows"),
         ([header, start], "ends at t = 0 s, before the window"),
+        ([header, start, "0.1"], "row 2 of series.csv has 1 values for"),
     ):
         (folder / "series.csv").write_text("\n".join(lines))
         with pytest.raises(InputError, match=f"are damaged: .*{words}"):
             results.read(folder)
     done = nervure("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
+    (folder / "series.csv").write_text(sound)
+    for name, content, words in (
+        ("summary.json", "[]", "summary.json: it is \\[\\], but must be"),
+        ("summary.json", "[" * 5000, "nested too deep"),
+        ("scene.json", "{}", "scene.json: missing required key"),
+    ):
+        (folder / name).write_text(content)
+        with pytest.raises(InputError, match=f"are damaged.*{words}"):
+            results.read(folder)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,8 @@
 """Field files: what VTKHDF asks for, what the fluid and the beam show, and what is left of a run that was killed."""
 
+import errno
 import json
+import os
 import re
 import signal
 from typing import Any
@@ -117,6 +119,26 @@ def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(smal
         for found, wanted in zip(frames(parts, name), expected[name]):
             assert np.array_equal(found, wanted)
     assert (parts / "series.csv").read_bytes() == (whole / "series.csv").read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="the system takes no room beforehand")
+def test_a_full_disk_ends_the_fields_before_hdf5_meets_it(fluid_only, tmp_path, monkeypatch):
+    """HDF5 prints a page for each write that fails, and may end the process: it writes into room that is taken."""
+    take, warned = os.posix_fallocate, list[str]()
+
+    def full(file, begin, length):
+        if len(session.recorder.series["time"]) > 10:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        take(file, begin, length)
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with Session(validate(fluid_only), tmp_path) as session:
+        session.observers = [own := fields.Fields(session, 5e-3, warned.append)]
+        assert own.files[0].file.id.get_access_plist().get_sieve_buf_size() == 0  # It would write around what it gets
+        assert session.run().completed
+    assert warned == ["no fields from t = 0.01 s on: [Errno 28] No space left on device"]
+    with h5py.File(tmp_path / FLUID_FIELDS) as file:
+        assert file["VTKHDF/Steps"].attrs["NSteps"] == 2
 
 
 def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_path):

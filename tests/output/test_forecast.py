@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+import nervure
 from nervure.evaluate import bodies, flapping
 from nervure.output import forecast
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
 from nervure.scene.solids import counts_of
+from nervure.simulation import ranges
 from nervure.simulation.loop import TimeGrid
 from tests.conftest import FSI3, run_scene
 from tests.rod.test_flapping import known_signal
@@ -64,7 +66,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None}
     found = Facts(validate(fluid_only)).numbers
     assert (found.velocity, found.reynolds, found.cfl) == (None, None, None)
-    assert list(forecast.warnings(Facts(validate(fluid_only)))) == []
+    assert list(ranges.warnings(Facts(validate(fluid_only)))) == []
 
 
 @pytest.mark.parametrize(
@@ -92,7 +94,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     ],
 )
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
-    warnings = list(forecast.warnings(Facts(validate(read("fsi3-1300x288", assignments)))))
+    warnings = list(ranges.warnings(Facts(validate(read("fsi3-1300x288", assignments)))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
 
 
@@ -107,7 +109,7 @@ def test_the_cells_of_a_fine_box_are_those_of_the_unit_and_are_warned_of():
     assert scene.fluid and scene.fluid.fine_box
     assert counts_of(scene.fluid.fine_box, scene.fluid) == [36, 32]
     scene.fluid.fine_box.x = (-4.5, 4.0)
-    warned = [text for text in forecast.warnings(Facts(scene)) if "prime factor" in text]
+    warned = [text for text in ranges.warnings(Facts(scene)) if "prime factor" in text]
     assert len(warned) == 1 and warned[0].startswith("68 cells of the fine box along x"), warned
     assert "64 and 72 have none" in warned[0]
 
@@ -124,10 +126,20 @@ def test_two_driven_wings_have_the_numbers_of_one():
 
 def test_fsi3_warns_of_nothing_as_its_table_shows_its_errors():
     for name in ("fsi3-325x72", "fsi3-324x54", "fsi3-650x144", "fsi3-1300x288"):
-        warned = list(forecast.warnings(Facts(validate(read(name)))))
+        warned = list(ranges.warnings(Facts(validate(read(name)))))
         assert warned == [], (name, warned)
     other = read("fsi3-325x72", ["fluid.kinematic_viscosity=1.1e-3"])
-    assert len(list(forecast.warnings(Facts(validate(other))))) == 2
+    assert len(list(ranges.warnings(Facts(validate(other))))) == 2
+
+
+@pytest.mark.usefixtures("libraries")
+def test_the_summary_has_each_warning_that_was_printed_once(fluid_only, tmp_path, capfd):
+    fluid_only["fluid"]["box"]["cells"] = [68, 34]
+    fluid_only["time"]["end"] = 2e-3
+    run = nervure.run(validate(fluid_only), tmp_path)
+    printed = [line.removeprefix("warning: ") for line in capfd.readouterr().err.splitlines()]
+    assert run.summary.warnings == printed == list(dict.fromkeys(printed))
+    assert sum("prime factor" in text for text in printed) == 2 and any("is soft" in text for text in printed)
 
 
 @pytest.mark.parametrize(("name", "shape"), [("disk", {"radius": 0.5}), ("plate", {"length": 1.0, "width": 1.0})])
@@ -135,7 +147,7 @@ def test_a_body_without_thickness_has_no_few_cells_in_it(name, shape):
     """As the disk of the report `st-disk-broad`."""
     scene = read("plate-stream-96x72x72")
     scene["fluid"]["bodies"][0]["shape"] = {name: shape}
-    warned = [text for text in forecast.warnings(Facts(validate(scene))) if "few" in text]
+    warned = [text for text in ranges.warnings(Facts(validate(scene))) if "few" in text]
     assert warned == []
 
 
@@ -145,7 +157,7 @@ def test_a_body_without_thickness_has_no_few_cells_in_it(name, shape):
 )
 def test_a_line_is_proposed_for_a_beam_of_few_cells(assignments, said):
     """1.9 cells across as shipped, 4.8 where it is 0.15 thick."""
-    warnings = list(forecast.warnings(Facts(validate(read("vein-hover-216x192", assignments)))))
+    warnings = list(ranges.warnings(Facts(validate(read("vein-hover-216x192", assignments)))))
     assert len(warnings) == said and all("`surface: line` is steadier" in text for text in warnings), warnings
 
 
@@ -270,10 +282,10 @@ def test_many_warnings_of_one_kind_are_one_with_their_number():
     scene = read("cylinder-2d1-450x90")
     radius, places = 1e-3, [(x / 10, y / 20) for x in range(3, 20) for y in range(1, 5)]
     scene["fluid"]["cylinders"] = [{"center": list(place), "radius": radius} for place in places]
-    few = [text for text in forecast.warnings(Facts(validate(scene))) if "in the diameter" in text]
+    few = [text for text in ranges.warnings(Facts(validate(scene))) if "in the diameter" in text]
     assert len(few) == 1 and few[0].endswith(f"(and {len(places) - 1} more like it)"), few
 
 
 def test_a_run_of_many_segments_says_first_that_it_takes_a_while():
-    found = list(forecast.warnings(Facts(validate(read("csm1", ["beam.segments=60000"])))))
+    found = list(ranges.warnings(Facts(validate(read("csm1", ["beam.segments=60000"])))))
     assert any("60000 segments take about 20 s to pack and to load" in text for text in found), found

@@ -13,7 +13,7 @@ import psutil
 import pytest
 from distributed import Client, LocalCluster
 
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.output import sweeps
 from nervure.simulation import sweep
 from tests.conftest import TOOL, nervure as nervure_here
@@ -188,6 +188,22 @@ def running(process: subprocess.Popen) -> list[psutil.Process]:
         except (OSError, psutil.Error):
             pass
     return found
+
+
+@pytest.mark.parametrize("content", ["", "[1]", "null", '[{"folder": 1}]'])
+def test_rows_and_tables_that_are_damaged_are_made_again_or_said(content, rod_only, tmp_path):
+    case, *_ = sweep.grid([rod_only], [{"beam.segments": [8]}])
+    (tmp_path / case.folder).mkdir()
+    (tmp_path / case.folder / sweep.ROW).write_text(content)
+    assert sweep.missing_cases([case], tmp_path, False) == [case]
+    (tmp_path / "sweep.json").write_text(content)
+    with pytest.raises(InputError, match="holds no sweep"):
+        sweeps.read(tmp_path)
+
+
+def test_values_that_no_scene_can_have_are_refused(rod_only):
+    with pytest.raises(SceneError, match="the values of time.end are nothing for a scene: Object of type object"):
+        sweep.grid([rod_only], [{"time.end": [object()]}])
 
 
 def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(scene, tmp_path):

@@ -1,10 +1,15 @@
 """Saved states and repeated runs: everything is bit-identical."""
 
 import ctypes
+import zlib
 
 import numpy as np
 import pytest
 
+from nervure.errors import UnitError
+from nervure.resources import ROOT
+from nervure.scene import read, validate
+from nervure.simulation.session import Session
 from tests.conftest import output
 
 STEPS = 20
@@ -137,3 +142,19 @@ def test_two_half_runs_are_one_run(small_fsi3, start, scheme):
     advance(halves, 0, STEPS // 2)
     second = advance(halves, STEPS // 2, STEPS // 2)
     assert_same_bits(first[-second.size :], second)
+
+
+def test_a_forged_state_with_a_work_that_is_no_number_is_refused(libraries):
+    """The checksum is right: the last number of the state of contact is the work on the last rod."""
+    with Session(validate(read(str(ROOT / "examples" / "rods-crossing.json")))) as session:
+        session.start()
+        unit = session.units["contact"]
+        state = unit.serialize()
+        begin = 14 + int.from_bytes(state[12:14], "little") + 38  # Of the length of the payload
+        for value, words in ((np.nan, "model.exchange.work has NaN"), (-np.inf, "model.exchange.work has -inf")):
+            payload = state[begin + 12 : -8] + np.float64(value).tobytes()
+            forged = state[: begin + 8] + zlib.crc32(payload).to_bytes(4, "little") + payload
+            with pytest.raises(UnitError, match=words):
+                unit.deserialize(forged)
+        unit.deserialize(state)
+        assert unit.serialize() == state

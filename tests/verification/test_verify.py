@@ -15,6 +15,7 @@ from nervure import InputError
 from nervure.evaluate.statistics import Window
 from nervure.scene import validate
 from nervure.simulation import sweep, verified
+from nervure.simulation.session import Session
 from nervure.simulation.verified import Quantity
 from nervure.verification import process
 from nervure.verification.plan import Plan, scaled
@@ -163,14 +164,30 @@ def test_a_scene_that_fails_on_the_finest_keeps_and_judges_the_other_runs(bar, t
         ({"parameters": ["colour"]}, "`colour` is unknown: there are cells, segments"),
         ({"quantities": ["tip_u"]}, "the quantity `tip_u` is not in the results"),
         ({"quantities": ["wall_s"]}, "`wall_s` is not in the results: there are tip_ux, tip_uy"),
-        ({"within": 0.0}, "within is 0.0, but must be a number above 0"),
+        ({"quantities": ["lift"]}, "`lift` is not in the results: there are tip_ux, tip_uy, tip_ux_mean"),
+        ({"within": 0.0}, "within is 0.0, but must be a finite number above 0"),
     ],
 )
-def test_bad_input_is_refused_in_words(bar, tmp_path, how, words):
-    bar.time.end = 0.2
+def test_bad_input_is_refused_in_words_before_any_run(bar, tmp_path, how, words, monkeypatch):
+    monkeypatch.setattr(sweep, "run", None)
     with pytest.raises(InputError) as refused:
         quietly(bar, tmp_path, **how)
     assert words in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted", "wrong"),
+    [
+        ("cylinder-2d1-450x90", ["lift", "drag_amplitude", "st", "cl_max", "periods"], "tip_ux"),
+        ("fsi3-325x72", ["tip_ux_frequency_hz", "lift_mean"], "st"),
+        ("vein-pitching-320x240", ["efficiency", "power_in", "side"], "axis"),
+    ],
+)
+def test_names_that_only_some_runs_of_a_scene_have_are_accepted(name, wanted, wrong):
+    with Session(nervure.load(name)) as session:
+        process.check_names(wanted, session.facts, session.recorder.columns)
+        with pytest.raises(InputError, match=f"`{wrong}` is not in the results"):
+            process.check_names([wrong], session.facts, session.recorder.columns)
 
 
 def test_numbers_of_the_method_are_no_physics():

@@ -539,6 +539,14 @@ where
         });
     }
 
+    /// Return the number of points that may touch.
+    pub fn count(&self) -> usize {
+        match &self.points {
+            Points::Fixed(points) => points.len(),
+            Points::Closest(_) => 1,
+        }
+    }
+
     /// Return how two parts touch.
     pub fn all(numbers: [usize; 2], parts: [&Part<D>; 2], law: &BodyLaw) -> Vec<Self> {
         let [one, two] = parts.map(|part| &part.solid);

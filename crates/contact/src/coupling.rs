@@ -18,6 +18,8 @@ where
     /// Stations at the end of the step, set from outside.
     pub target: Vec<Stations<D>>,
     present: CouplingState<D>,
+    /// The state before the last step.
+    before: CouplingState<D>,
     /// Loads of the coming step.
     loads: Vec<Loads<D>>,
 }
@@ -56,9 +58,28 @@ pub enum CouplingError {
         /// Number of its body among the rods, then the wings, from 1.
         body: usize,
     },
+    /// A step after which no numbers would be left.
+    #[error("places, velocities or the step are so large that what contact exerts is no finite number")]
+    Large,
     /// A state of other parts.
     #[error("it is the state of the contact of other rods and wings")]
     State,
+}
+
+impl<const D: usize> CouplingState<D> {
+    /// Return whether what contact exerted and owes is finite.
+    fn is_finite(&self) -> bool {
+        let numbers = |own: &ContactExchange<D>| own.force.iter().chain([&own.power, &own.work]).all(|x| x.is_finite());
+        self.exchange.iter().all(numbers) && self.owed.iter().all(Loads::are_finite)
+    }
+
+    /// Become the state of the same bodies.
+    fn copy_from(&mut self, other: &Self) {
+        self.step = other.step;
+        Stations::copy_all(&mut self.stations, &other.stations);
+        self.owed.iter_mut().zip(&other.owed).for_each(|(own, other)| own.copy_from(other));
+        self.exchange.copy_from_slice(&other.exchange);
+    }
 }
 
 impl<const D: usize> ContactCoupling<D>
@@ -73,7 +94,7 @@ where
         let exchange = vec![ContactExchange { force: [0.0; D], power: 0.0, work: 0.0 }; bodies.len()];
         let contact = FlexibleContact::new(bodies, vec![], law, [f64::INFINITY; D]);
         let present = CouplingState { step: dt, stations: target.clone(), owed: none.clone(), exchange };
-        let mut made = Self { contact, target, present, loads: none };
+        let mut made = Self { contact, target, before: present.clone(), present, loads: none };
         made.announce();
         made
     }
@@ -92,10 +113,11 @@ where
     /// Make a step of `h` seconds to the stations that are set.
     ///
     /// # Errors
-    /// [`CouplingError::Station`]; then nothing has changed.
+    /// [`CouplingError::Station`] and [`CouplingError::Large`]; then nothing has changed.
     pub fn advance(&mut self, h: f64) -> Result<(), CouplingError> {
         self.check(&self.target)?;
-        let Self { contact, target, present: CouplingState { step, stations, owed, exchange }, loads } = self;
+        self.before.copy_from(&self.present);
+        let Self { contact, target, present: CouplingState { step, stations, owed, exchange }, loads, .. } = self;
         for (((own, before), now), to) in loads.iter().zip(&*stations).zip(&*target).zip(exchange) {
             to.force = own.force_in_step(before, now);
             to.power = own.power(before, now);
@@ -110,7 +132,12 @@ where
         *step = h;
         Stations::copy_all(stations, target);
         self.announce();
-        Ok(())
+        if self.present.is_finite() && self.loads.iter().all(Loads::are_finite) {
+            return Ok(());
+        }
+        self.present.copy_from(&self.before);
+        self.announce();
+        Err(CouplingError::Large)
     }
 
     /// Announce the loads of the coming step.
@@ -171,7 +198,8 @@ where
             && state.stations.iter().zip(&own.stations).all(|(other, own)| own.has_shape_of(other))
             && state.step.is_finite()
             && state.step > 0.0
-            && state.owed.iter().zip(&own.owed).all(|(other, own)| own.has_shape_of(other) && other.are_finite());
+            && state.owed.iter().zip(&own.owed).all(|(other, own)| own.has_shape_of(other))
+            && state.is_finite();
         if !fit {
             return Err(CouplingError::State);
         }

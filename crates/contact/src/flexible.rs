@@ -32,6 +32,9 @@ const HOLD: f64 = 0.5;
 /// Most parts of a segment or an edge between points that touch.
 const MOST_PARTS: f64 = 64.0;
 
+/// Memory of a point with what finds it, rounded up, bytes.
+const BYTES_PER_POINT: usize = 300;
+
 /// Skin by which a flexible body touches others.
 #[derive(Clone, Debug)]
 pub struct Skin {
@@ -311,7 +314,9 @@ where
         let points = |[i, j]: &[usize; 2]| parts[*i].points.len() + parts[*j].points.len();
         let of_parts = pairs.iter().map(|(pair, _)| points(pair)).sum::<usize>();
         let on_bodies = bodies.len() * parts.iter().map(|part| part.points.len()).sum::<usize>();
-        let touches = Vec::with_capacity(of_parts + on_bodies + body_pairs.len());
+        let of_bodies = body_pairs.iter().map(|(pair, _)| pair.count()).sum::<usize>();
+        let touches = Vec::with_capacity(of_parts + on_bodies + of_bodies);
+        let fast = Vec::with_capacity(pairs.len() + bodies.len() * parts.len() + body_pairs.len());
         (!pairs.is_empty() || !bodies.is_empty()).then(|| Self {
             parts,
             pairs,
@@ -323,8 +328,18 @@ where
             pushes,
             touches,
             energy: 0.0,
-            fast: Vec::new(),
+            fast,
         })
+    }
+
+    /// Return the approximate memory of the contact of these flexible bodies with each other and with so many rigid ones,
+    /// bytes.
+    pub fn bytes(flexible: &[FlexibleBody<D>], rigid: usize) -> usize {
+        let skins = || flexible.iter().filter_map(|body| Some((body, body.skin?)));
+        let others = skins().count().saturating_sub(1).saturating_add(rigid);
+        let points = skins().map(|(body, skin)| Part::count(body, skin)).fold(0, usize::saturating_add);
+        // A point may touch each of the others, for which there is room.
+        points.saturating_mul(BYTES_PER_POINT.saturating_add(size_of::<Touch<D>>().saturating_mul(others)))
     }
 
     /// Find the contact at these stations for a coming step of `dt` seconds; `pose_of` returns place and motion of the rigid
@@ -640,20 +655,15 @@ impl Part {
     /// Crossing edges come closer to each other than to a point by up to half its distance from the next. Forces end half
     /// the sum of the radii before middles meet, of which each body leaves its own to the other one.
     fn new<const D: usize>(number: usize, body: &FlexibleBody<D>, skin: &Skin) -> Self {
-        let place = |k: usize| Vector::from(body.nodes[k]);
-        let (radius, spacing) = (skin.radius.clone(), 2.0 * skin.radius.iter().copied().fold(f64::INFINITY, f64::min));
-        let parts = |length: f64| (length / spacing).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let (radius, parts) = (skin.radius.clone(), Self::divided(body, skin));
         if let Some(triangles) = body.triangles {
-            let edges = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
-            let longest = edges.map(|[a, b]| (place(a) - place(b)).norm()).fold(0.0, f64::max);
             let nodes: Vec<_> =
                 body.nodes.iter().map(|node| std::array::from_fn(|d| node.get(d).copied().unwrap_or(0.0))).collect();
-            let points = points_of_surface(&nodes, triangles, parts(longest));
+            let points = points_of_surface(&nodes, triangles, parts);
             return Self { number, radius, elements: triangles.to_vec(), points };
         }
         let segments = body.nodes.len().saturating_sub(1);
-        let length = |k: usize| (place(k + 1) - place(k)).norm();
-        let parts = parts((0..segments).map(length).fold(0.0, f64::max));
+        let length = |k: usize| (Vector::from(body.nodes[k + 1]) - Vector::from(body.nodes[k])).norm();
         let point = |m: usize| {
             let triangle = (m / parts).min(segments - 1);
             let share = (m - triangle * parts) as f64 / parts as f64;
@@ -663,6 +673,29 @@ impl Part {
         };
         let points = if segments > 0 { (0..=segments * parts).map(point).collect() } else { vec![] };
         Self { number, radius, elements: (0..segments).map(|k| [k, k + 1, k + 1]).collect(), points }
+    }
+
+    /// Return into how many parts the points divide each segment or edge.
+    fn divided<const D: usize>(body: &FlexibleBody<D>, skin: &Skin) -> usize {
+        let spacing = 2.0 * skin.radius.iter().copied().fold(f64::INFINITY, f64::min);
+        let place = |k: usize| Vector::from(body.nodes.get(k).copied().unwrap_or([f64::NAN; D]));
+        let length = |[a, b]: [usize; 2]| (place(a) - place(b)).norm();
+        let longest = match body.triangles {
+            Some(triangles) => {
+                let edges = triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
+                edges.map(length).fold(0.0, f64::max)
+            }
+            None => (1..body.nodes.len()).map(|k| length([k, k - 1])).fold(0.0, f64::max),
+        };
+        (longest / spacing).ceil().clamp(1.0, MOST_PARTS) as usize
+    }
+
+    /// Return about how many points it has: as many triangles and nodes as a disk has edges.
+    fn count<const D: usize>(body: &FlexibleBody<D>, skin: &Skin) -> usize {
+        let (nodes, parts) = (body.nodes.len(), Self::divided(body, skin));
+        let triangles = body.triangles.map_or(0, <[_]>::len);
+        let inner = parts.saturating_sub(2) * (parts - 1) / 2 * triangles;
+        nodes + (nodes + triangles) * (parts - 1) + inner
     }
 
     fn spot(&self, point: &SurfacePoint) -> Spot {

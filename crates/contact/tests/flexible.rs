@@ -1,8 +1,8 @@
 //! Contact of lines and surfaces that others move, by the loads that it announces.
 
 use nervure_contact::{
-    ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Party, Pose, Skin, Stations,
-    largest_stiffness,
+    BodyLaw, ContactCoupling, FlexibleBody, FlexibleContact, Law, Loads, MountedBody, Obstacle, Party, Pose, Skin,
+    Stations, largest_stiffness,
 };
 
 const STEP: f64 = 5e-3;
@@ -250,4 +250,74 @@ fn a_bounce_goes_on_from_its_state_to_the_bit() {
     pair.contact.target[1].position[0][4] = f64::NAN;
     let error = pair.contact.advance(STEP).expect_err("it is no number").to_string();
     assert!(error.contains("station 5 of 2") && *pair.contact.state() == before, "{error}");
+}
+
+/// A line that falls too fast on one of two blocks that meet too fast with many corners.
+#[test]
+fn first_and_fast_meetings_in_many_points_allocate_nothing() {
+    let nodes = Line::upper(1.6, 0.33, [0.0; 2]).nodes();
+    let skin = Skin { radius: vec![RADIUS; 9], largest_stiffness: largest_stiffness(2.0, STEP), mass: 2.0 };
+    let mut stations = [Stations::at_rest(&nodes)];
+    stations[0].velocity[1].fill(-50.0);
+    let law = BodyLaw { range: 0.1, stiffness: 1e9, damping: 0.0, friction: 0.3, film: None, dt: STEP };
+    let body = |number| MountedBody {
+        law: Some(law),
+        ..MountedBody::new(number, Obstacle::block([0.0; 2], [0.3, 0.3], 0.0), [1.0, 0.1])
+    };
+    let line = [FlexibleBody { nodes: &nodes, triangles: None, skin: Some(&skin) }];
+    let at = |number: usize| {
+        let place = [0.0, [0.0, -0.62][number]];
+        let pose = rigid::Pose { velocity: [0.0, [0.0, 50.0][number]].into(), ..rigid::Pose::default() };
+        Some((Pose::at(place), rigid::Pose { position: place.into(), ..pose }))
+    };
+    let [blocks, with_line] = [[Party::Body(0), Party::Body(1)], [Party::Flexible(0), Party::Body(0)]];
+    for (lines, expected) in [(0, vec![blocks]), (1, vec![with_line, blocks])] {
+        let contact = FlexibleContact::new(&line[..lines], vec![body(0), body(1)], &LAW, [f64::INFINITY; 2]);
+        let mut contact = contact.expect("two may touch");
+        let counted = allocation_counter::measure(|| contact.find(&stations[..lines], at, STEP));
+        assert_eq!(contact.fast().iter().map(|met| met.parties).collect::<Vec<_>>(), expected);
+        assert_eq!(counted.count_total, 0, "{lines} lines");
+    }
+}
+
+/// Sheets of few large triangles have thousands of points each.
+#[test]
+fn the_memory_of_coarse_and_fine_bodies_is_known_beforehand() {
+    for (side, radius, bodies) in [(1, 1e-3, 3), (1, 0.05, 2), (40, 0.02, 2)] {
+        let at = |k: usize| [(k % (side + 1)) as f64 / side as f64, (k / (side + 1)) as f64 / side as f64, 0.0];
+        let nodes: Vec<_> = (0..(side + 1) * (side + 1)).map(at).collect();
+        let corner = |k: usize| k % side + k / side * (side + 1);
+        let halves = |k| [[k, k + 1, k + side + 2], [k, k + side + 2, k + side + 1]];
+        let triangles: Vec<_> = (0..side * side).map(corner).flat_map(halves).collect();
+        let skin = Skin { radius: vec![radius; nodes.len()], largest_stiffness: 1e3, mass: 1.0 };
+        let sheet = FlexibleBody { nodes: &nodes, triangles: Some(&triangles), skin: Some(&skin) };
+        let sheets = vec![sheet; bodies];
+        let counted = allocation_counter::measure(|| {
+            drop(FlexibleContact::new(&sheets, vec![], &LAW, [f64::INFINITY; 3]));
+        });
+        let (said, most) = (FlexibleContact::bytes(&sheets, 0) as f64, counted.bytes_max as f64);
+        assert!(said >= most && said <= 4.0 * most, "{side} along a side, {radius} m: {said} for {most} bytes");
+    }
+}
+
+/// A refused step leaves the contact as it was, and a state with works that are no numbers is refused.
+#[test]
+fn what_is_too_large_for_numbers_is_refused() {
+    let lines = || [Line::upper(1.6, 0.02, [0.0; 2]), Line::lower(1.6)];
+    let mut pair = Pair::new(lines(), &LAW);
+    pair.step();
+    let before = (pair.contact.state().clone(), pair.contact.loads().to_vec());
+    for velocity in [1e160, 1e300] {
+        pair.give();
+        pair.contact.target[0].velocity[1].fill(-velocity);
+        let refused = (0..3).find_map(|_| pair.contact.advance(STEP).err());
+        assert!(refused.is_some_and(|why| why.to_string().contains("so large")), "{velocity} m/s");
+        assert!(pair.contact.exchange().iter().all(|own| own.power.is_finite() && own.work.is_finite()));
+        pair.contact.restore(&before.0).unwrap();
+        assert_eq!(pair.contact.loads(), &before.1[..]);
+    }
+    pair.give();
+    let counted = allocation_counter::measure(|| assert!(pair.contact.advance(f64::MAX).is_err()));
+    assert_eq!((pair.contact.state(), pair.contact.loads()), (&before.0, &before.1[..]));
+    assert_eq!(counted.count_total, 0);
 }

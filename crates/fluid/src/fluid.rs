@@ -101,16 +101,7 @@ where
     [f64; D]: Solvable<D>,
 {
     let own = parameters.contact.as_ref()?;
-    let flexible: Vec<_> = parameters
-        .flexible
-        .iter()
-        .zip(&own.skins)
-        .map(|(body, skin)| FlexibleBody {
-            nodes: &body.nodes,
-            triangles: if let Extent::Surface(triangles) = &body.extent { Some(triangles) } else { None },
-            skin: skin.as_ref(),
-        })
-        .collect();
+    let flexible = flexible_of(parameters);
     let size = parameters.grid().size;
     let mounted = parameters.bodies.iter().enumerate().filter_map(|(number, body)| {
         let carrier = own.carrier.as_ref().filter(|_| body.announces);
@@ -127,6 +118,21 @@ where
     let law =
         contact::Law { range, stiffness: own.flexible_stiffness, depth: f64::INFINITY, damping, friction, film: None };
     FlexibleContact::new(&flexible, mounted.collect(), &law, own.periods)
+}
+
+/// Return the flexible bodies with the skins by which they touch; empty without contact.
+fn flexible_of<const D: usize>(parameters: &Parameters<D>) -> Vec<FlexibleBody<'_, D>>
+where
+    [f64; D]: Solvable<D>,
+{
+    let skins = parameters.contact.iter().flat_map(|own| &own.skins);
+    let both = parameters.flexible.iter().zip(skins);
+    both.map(|(body, skin)| FlexibleBody {
+        nodes: &body.nodes,
+        triangles: if let Extent::Surface(triangles) = &body.extent { Some(triangles) } else { None },
+        skin: skin.as_ref(),
+    })
+    .collect()
 }
 
 /// Return a function that returns place and motion of the rigid body with a number, if nothing but its state tells them.
@@ -246,7 +252,8 @@ where
         };
         let flexible = parameters.flexible.iter().map(|of| body(of.nodes.len(), &of.extent)).sum::<usize>();
         let per_cell = numbers_of_fluid::<D>() * parameters.precision.bytes() + BYTES_PER_CELL;
-        per_cell * cells + flexible + BYTES_PER_MARKER * parameters.markers()
+        let contact = FlexibleContact::bytes(&flexible_of(parameters), parameters.bodies.len());
+        per_cell * cells + flexible + contact + BYTES_PER_MARKER * parameters.markers()
     }
 
     /// Return the approximate memory of a state, bytes.

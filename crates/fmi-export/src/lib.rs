@@ -63,6 +63,7 @@ mod access;
 mod description;
 #[doc(hidden)]
 pub mod export;
+mod finite;
 mod guard;
 mod identity;
 mod instance;

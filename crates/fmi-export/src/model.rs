@@ -58,6 +58,8 @@ pub trait Model: Sized + 'static {
     const RESOURCES: &'static [&'static str] = &[];
 
     /// Memory: all that decides the future of the model, beside parameters and inputs, which the export stores.
+    ///
+    /// Its numbers are finite: a serialized state with others is refused.
     type State: Clone + Serialize + DeserializeOwned;
 
     /// Read the model from its resources, at instantiation, at `fmi2Reset` and for a description.

@@ -16,6 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::finite;
 use crate::identity::{self, Difference};
 use crate::settings::Settings;
 use crate::state_machine::Mode;
@@ -104,7 +105,10 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
             return Err("the serialized state is damaged: the checksum is wrong".into());
         }
         match postcard::take_from_bytes(rest) {
-            Ok((snapshot, [])) => Ok(snapshot),
+            Ok((snapshot, [])) => {
+                finite::check(&snapshot).map_err(|why| format!("the serialized state is damaged: {why}"))?;
+                Ok(snapshot)
+            }
             Ok((_, left)) => Err(format!("the serialized state has {} bytes too many", left.len())),
             Err(error) => Err(format!("the serialized state cannot be read: {error}")),
         }
@@ -151,6 +155,22 @@ mod tests {
                 damaged[at] ^= mask;
                 assert!(read(&damaged).is_err(), "byte {at} changed by {mask:#x} was accepted");
             }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused_by_their_place() {
+        let bytes = |change: &dyn Fn(&mut Snapshot<Vec<f64>>)| {
+            let mut damaged = snapshot();
+            change(&mut damaged);
+            read(&damaged.to_bytes(&origin()).unwrap()).unwrap_err()
+        };
+        for (message, part) in [
+            (bytes(&|state| state.model[1] = f64::NAN), "damaged: model has NaN"),
+            (bytes(&|state| state.instance.time = f64::INFINITY), "damaged: instance.time has inf"),
+            (bytes(&|state| state.instance.stop = Some(f64::NAN)), "damaged: instance.stop has NaN"),
+        ] {
+            assert!(message.contains(part), "{message}");
         }
     }
 

@@ -345,7 +345,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         let name = own.number.map_or("the wing".into(), |_| format!("the wing {}", own.name));
         add(own.key, name, [Some(surface(rest)), nodes.map(surface)], true, None);
     }
-    let axes = fluid.map_or_else(|| scene.beams().map(|beam| scene.dimension(beam)).max().unwrap_or(3), |_| ends.len());
+    let axes = scene.dimensions();
     let (parts, has_contact) = (parts.iter().collect(), scene.contact.is_some());
     let mut monitor = Monitor { fluid, parts, memory: places.memory, axes, has_contact, is_run: true };
     let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();

@@ -152,19 +152,7 @@ fn check_wings(scene: &Scene, faults: &mut Faults) {
         }
     }
     scene.wings.check_at("wings", faults);
-    for (i, own) in scene.rods.iter().enumerate() {
-        let others = [
-            ("wing", scene.wing.is_some()),
-            ("body", scene.flyer.is_some()),
-            ("contact", scene.is_coupled_by_contact()),
-        ];
-        let taken = others.iter().find(|(name, present)| *present && name.eq_ignore_ascii_case(&own.name));
-        faults.require(taken.is_none(), &format!("rods[{i}].name"), quoted(&own.name), || {
-            "another unit of the scene has this name".into()
-        });
-    }
     let mut names: Vec<_> = scene.rods.iter().map(|own| own.name.as_str()).collect();
-    names.extend(scene.is_coupled_by_contact().then_some("contact"));
     for (i, own) in scene.wings.iter().enumerate() {
         let twice = names.iter().any(|other| other.eq_ignore_ascii_case(&own.name));
         faults.require(!twice, &format!("wings[{i}].name"), quoted(&own.name), || {

@@ -26,8 +26,8 @@ pub(crate) const NAME: &str = "^[A-Za-z][A-Za-z0-9_]{0,39}$";
 /// Most characters of the name of a rod.
 const NAME_LENGTH: usize = 40;
 
-/// Names of the units of a scene with one rod.
-const TAKEN: [&str; 2] = ["rod", "fluid"];
+/// Names of the units of which a scene has only one.
+pub(crate) const TAKEN: [&str; 5] = ["rod", "wing", "body", "fluid", "contact"];
 
 impl Check for NamedRod {
     fn check_at(&self, key: &str, faults: &mut Faults) {

@@ -206,6 +206,12 @@ impl Scene {
         only.chain(several)
     }
 
+    /// Return the number of space dimensions of the scene, 2 or 3: those of the fluid, or of the beams without one.
+    pub fn dimensions(&self) -> usize {
+        let of_beams = || self.beams().map(|beam| self.dimension(beam)).max().unwrap_or(3);
+        self.fluid.as_ref().map_or_else(of_beams, |fluid| fluid.r#box.ends().count())
+    }
+
     /// Return the number of space dimensions in which `beam` moves, 2 or 3.
     pub fn dimension(&self, beam: &Beam) -> usize {
         match &beam.root {

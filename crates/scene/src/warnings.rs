@@ -57,11 +57,11 @@ const STRETCH: f64 = 0.1;
 /// Return what may be a mistake in a scene without faults.
 pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     let mut found = Vec::new();
+    let ends: Vec<_> = scene.fluid.iter().flat_map(|fluid| fluid.r#box.ends()).collect();
+    let parts = parts(scene, &ends);
+    let start: Vec<_> = parts.iter().map(|own| own.motion.shape_at(&own.part.rest, 0.0, &ends)).collect();
+    overlaps(scene, &parts, &start, &mut found);
     if let Some(fluid) = &scene.fluid {
-        let ends: Vec<_> = fluid.r#box.ends().collect();
-        let parts = parts(scene, fluid, &ends);
-        let start: Vec<_> = parts.iter().map(|own| own.motion.shape_at(&own.part.rest, 0.0, &ends)).collect();
-        overlaps(scene, &parts, &start, ends.len(), &mut found);
         found.extend(motions(scene, fluid, &parts, &start, &ends));
         found.extend(own_wake(scene, fluid, &parts));
         found.extend(carried_along(scene, fluid, &ends));
@@ -117,10 +117,12 @@ impl Moving<'_> {
     }
 }
 
-fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
+fn parts<'a>(scene: &'a Scene, ends: &[[f64; 2]]) -> Vec<Moving<'a>> {
+    let fluid = scene.fluid.as_ref();
     let part = |key: String, rest, moves: bool, rigid: &str, beam: Option<&Beam>| {
         let name = format!("`{key}`{}", if moves { rigid } else { "" });
-        let (thickness, reach) = (beam.map_or(f64::INFINITY, Beam::largest_thickness), fluid.reach(&rest, beam));
+        let thickness = beam.map_or(f64::INFINITY, Beam::largest_thickness);
+        let reach = fluid.map_or(0.0, |fluid| fluid.reach(&rest, beam));
         let (is_mounted, is_driven, of_flyer) = (false, false, false);
         Part { key, name, rest, moves, deforms: false, thickness, reach, is_mounted, is_driven, of_flyer }
     };
@@ -138,13 +140,13 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
         let part = part(key, Shape::Chain(chain), laws.is_some(), " (as a rigid beam)", Some(own.beam));
         Moving { part, motion: Motion::Root { pivot: nodes[0], laws } }
     });
-    let wings = scene.wings().filter(|_| scene.flyer.is_none()).map(|own| {
+    let wings = scene.wings().filter(|_| fluid.is_some() && scene.flyer.is_none()).map(|own| {
         let (mesh, laws) = (own.wing.mesh.build(), own.wing.laws());
         let rest = Shape::Surface(Surface::new(mesh.nodes, mesh.triangles));
         let part = part(own.key, rest, laws.is_some(), " (as a rigid wing)", None);
         Moving { part, motion: Motion::Root { pivot: own.wing.pivot, laws } }
     });
-    fluid.obstacles().map(rigid).chain(beams).chain(wings).collect()
+    fluid.iter().flat_map(|fluid| fluid.obstacles()).map(rigid).chain(beams).chain(wings).collect()
 }
 
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
@@ -162,7 +164,8 @@ fn times(end: f64, parts: &[Moving]) -> Vec<f64> {
 }
 
 /// Append the warnings about bodies on bodies and beams on beams at the start, where roots may be embedded.
-fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], axes: usize, found: &mut Vec<Warning>) {
+fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], found: &mut Vec<Warning>) {
+    let axes = scene.dimensions();
     let (lines, bodies) = (places::lines(scene), parts.iter().filter(|part| part.is_body()).count());
     for j in 0..bodies + lines.len() {
         for i in if j < bodies { 0..j } else { bodies..j } {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
-use crate::rods::check_name;
+use crate::rods::{TAKEN, check_name};
 use crate::wing::Wing;
 
 /// One of several wings.
@@ -20,6 +20,6 @@ pub struct NamedWing {
 
 impl Check for NamedWing {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        check_name(&self.name, &format!("{key}.name"), &["rod", "wing", "body", "fluid"], faults);
+        check_name(&self.name, &format!("{key}.name"), &TAKEN, faults);
     }
 }

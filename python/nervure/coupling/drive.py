@@ -19,6 +19,7 @@ from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
+from nervure.arguments import shown
 from nervure.coupling.guards import CouplingError
 from nervure.errors import InputError
 from nervure.scene import plain
@@ -232,7 +233,8 @@ class Driver:
             raise CouplingError(f"the drive failed for t = {time:g} s: {_told(error)}") from error
         if not isinstance(given, Mapping):
             raise CouplingError(
-                f"the drive returned {given!r} for t = {time:g} s, but must return a dictionary by the names of inputs"
+                f"the drive returned {shown(given)} for t = {time:g} s, but must return a dictionary by the names of "
+                "inputs"
             )
         found: dict[str, float] = {}
         for name, value in given.items():
@@ -245,9 +247,9 @@ class Driver:
             except (TypeError, ValueError, OverflowError):
                 found[name] = math.nan
             if not math.isfinite(found[name]):
-                unit = self.units[name]
+                unit, said = self.units[name], shown(value)
                 raise CouplingError(
-                    f"the drive sets {name} to {value!r} for t = {time:g} s, but must set a finite number, in {unit}"
+                    f"the drive sets {name} to {said} for t = {time:g} s, but must set a finite number, in {unit}"
                 )
         return found
 

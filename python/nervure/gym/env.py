@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from gymnasium.error import ClosedEnvironmentError
 from gymnasium.spaces import Box
 
+from nervure import arguments
 from nervure.coupling import CouplingError, stand_still
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
@@ -170,6 +171,19 @@ def _source(function: Callable[..., Any]) -> list[Any]:
     return [function.__qualname__, code.co_code.hex(), code.co_consts, around]
 
 
+def _checked_actions(actions: Any) -> tuple[Action, ...]:
+    """Return actions whose numbers are finite; raise `InputError` where there are others."""
+    if not isinstance(actions, Iterable) or isinstance(actions, str):
+        raise InputError(f"actions is {arguments.shown(actions)}, but must be a list of `nervure.gym.Action`")
+    found = tuple(actions)
+    for own in found:
+        if not isinstance(own, Action):
+            raise InputError(f"an action is {arguments.shown(own)}, but must be a `nervure.gym.Action`")
+        for name in ("low", "high", "lag"):
+            arguments.number(f"`{name}` of the action {own.name}", getattr(own, name))
+    return found
+
+
 class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     """An environment of `scene`, an object or a name: each step sets the targets of `actions` and makes `steps`
     communication steps.
@@ -202,22 +216,30 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         if not isinstance(scene, Scene):
             scene = load(scene)
         if render_mode not in (None, *self.metadata["render_modes"]):
-            raise InputError(f"render_mode is {render_mode!r}, but must be None or rgb_array")
-        if not (isinstance(steps, int | np.integer) and 1 <= steps <= MOST_STEPS):
-            raise InputError(f"steps is {steps!r}, but must be a whole number from 1 to {MOST_STEPS}")
+            raise InputError(f"render_mode is {arguments.shown(render_mode)}, but must be None or rgb_array")
+        if not (isinstance(steps, int | np.integer) and not isinstance(steps, bool) and 1 <= steps <= MOST_STEPS):
+            raise InputError(f"steps is {arguments.shown(steps)}, but must be a whole number from 1 to {MOST_STEPS}")
+        self.actions = _checked_actions(actions)
+        if not isinstance(observed, Mapping):
+            raise InputError(f"observed is {arguments.shown(observed)}, but must be a dictionary of scales by column")
         for name, scale in observed.items():
-            if scale == 0 or not math.isfinite(scale):
+            arguments.text("a key of observed", name)
+            if arguments.number(f"the scale of {name}", scale) == 0:
                 raise InputError(f"{name} has the scale {scale!r}, but must have a finite one other than 0")
-        for time in starts:
+        arguments.function("reward", reward, "values and action")
+        arguments.function("ends", ends, "values")
+        if before is not None:
+            arguments.function("before", before, "observation and time")
+        for time in (starts := arguments.numbers("starts", starts)):
             if not 0 <= time < scene.time.end:
                 raise InputError(
                     f"a start is at {time!r} s, but must be from 0 to before the end of the scene, {scene.time.end:g} s"
                 )
         if len(starts) == 0:
             raise InputError("there are no starts, but an episode needs one")
-        self.actions, self.reward, self.steps, self.ends = tuple(actions), reward, int(steps), ends
-        self.failed, self.before, self.render_mode, self.closed = failed, before, render_mode, False
-        self.low, self.high = (np.array([getattr(own, end) for own in self.actions]) for end in ("low", "high"))
+        self.reward, self.steps, self.ends, self.failed = reward, int(steps), ends, arguments.number("failed", failed)
+        self.before, self.render_mode, self.closed = before, render_mode, False
+        self.low, self.high = (np.array([getattr(own, end) for own in self.actions], float) for end in ("low", "high"))
         self.session = Session(with_files(scene), drive=stand_still)  # Servos set its inputs
         try:
             times = self.session.grid.communication_step * np.arange(1, steps + 1)
@@ -226,7 +248,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             self.observed = [(name, 1 / scale) for name, scale in observed.items()]
             self._read = self.values.reader([*observed])
             self._factors = np.array([factor for _, factor in self.observed])
-            self.starts = self._make_starts(starts, None if cache is None else Path(cache))
+            self.starts = self._make_starts(starts, None if cache is None else arguments.path("cache", cache))
         except BaseException:
             self.session.close()
             raise
@@ -253,12 +275,27 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             else:
                 before.restore()
                 while self.before and session.steps < steps:
-                    self._follow(self.before(self._observe(), session.time))
+                    given = self.before(self._observe(), session.time)
+                    self._follow(self._targets("what `before` returns", given))
                 self._advance(steps - session.steps, [])
             found[time] = Start(session, self.servos)
             if path and not read:
-                found[time].write(path)
+                try:
+                    found[time].write(path)
+                except OSError as error:
+                    raise InputError(f"cannot write into the folder `cache`, {cache}: {error.strerror}") from error
         return [found[time] for time in times]
+
+    def _targets(self, name: str, given: Any) -> np.ndarray:
+        """Return targets as an array; raise `InputError` where they are no finite numbers, one for each action."""
+        try:
+            targets = np.asarray(given, float)
+        except (TypeError, ValueError):
+            targets = np.array(math.nan)
+        if targets.shape != self.low.shape or not np.isfinite(targets).all():
+            count = len(self.actions)
+            raise InputError(f"{name} is {given!r}, but must be {count} finite number{'s' * (count != 1)}")
+        return targets
 
     def _follow(self, targets: np.ndarray) -> np.ndarray:
         """Make a step towards targets; return those within the ranges."""
@@ -290,6 +327,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         """Return to a start; `options["start"]` is its number."""
         self._require_open()
         super().reset(seed=seed)
+        if not (options is None or isinstance(options, Mapping)):
+            raise InputError(f"options is {arguments.shown(options)}, but must be a dictionary")
         number = (options or {}).get("start")
         if number is None:
             number = int(self.np_random.integers(len(self.starts)))
@@ -303,13 +342,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Follow the targets `action`, clipped to their ranges, for `steps` communication steps."""
         self._require_open()
-        try:
-            targets = np.asarray(action, float)
-        except (TypeError, ValueError):
-            targets = np.array(math.nan)
-        if targets.shape != self.action_space.shape or not np.isfinite(targets).all():
-            count = len(self.actions)
-            raise InputError(f"the action is {action!r}, but must be {count} finite number{'s' * (count != 1)}")
+        targets = self._targets("the action", action)
         try:
             targets = self._follow(targets)
             self._last = self._observe()

@@ -18,6 +18,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nervure import arguments
 from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.evaluate import statistics
@@ -53,6 +54,13 @@ class Part(NamedTuple):
     across: str | None = None
     at: float | None = None
     crop: Sequence[float] | None = None
+
+    def checked(self) -> "Part":
+        """Return the part with numbers of Python; raise `InputError` where an argument has another type."""
+        if not (self.across is None or isinstance(self.across, str)):
+            raise InputError(f"across is {arguments.shown(self.across)}, but must be x, y or z")
+        crop = None if self.crop is None else arguments.numbers("crop", self.crop)
+        return Part(self.across, arguments.if_given("at", self.at), crop)
 
 
 ALL, PLAIN = Part(), vortices.Look()
@@ -229,7 +237,7 @@ def write(
     in_space = bool(frames.scene.fluid and frames.scene.fluid.box.z)
     if len(frames.times) < 2:
         raise InputError(f"the run in {folder} has one frame, but a film needs two: record them more often")
-    look.check()
+    look = look.checked()
     if look != PLAIN and not in_space:
         raise InputError("q, camera and background are of vortices in space, but there is no fluid in space")
     if frames.fluid is None and part != ALL:
@@ -286,7 +294,7 @@ def _vortices(frames: Frames, chosen: list[int], look: vortices.Look) -> list[Pa
 
 def plot_vortices(folder: Path, time: float | None, look: vortices.Look, part: Part = ALL) -> Image.Image:
     """Draw the vortices at the frame nearest to `time` (s), by default the last."""
-    look.check()
+    look = look.checked()
     frames = Frames(folder, part)
     if frames.fluid is None or not (frames.scene.fluid and frames.scene.fluid.box.z):
         raise InputError(f"{folder} holds no fields of a fluid in space")

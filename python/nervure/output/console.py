@@ -10,6 +10,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 
 from nervure.output import forecast, tables, unit_in
 from nervure.scene.facts import Facts
+from nervure.simulation import ranges
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
@@ -63,7 +64,7 @@ def warn(message: str) -> None:
 def announce(facts: Facts) -> None:
     """Print what is known of a run before its units are made: numbers, steps and warnings."""
     _print_rows(text_console(), forecast.scene_rows(facts))
-    for text in forecast.warnings(facts):
+    for text in ranges.warnings(facts):
         warn(text)
 
 

@@ -4,6 +4,9 @@ Room for all frames is laid out at the start, and a frame is counted after it is
 be read up to its last frame, and a resumed run fills the rest. So nothing is compressed. Values have single precision.
 """
 
+import errno
+import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -119,6 +122,7 @@ class Fields(Observer):
                 for file in self.files:
                     file.write(loop.steps // self.stride, loop.time)
             except OSError as error:
+                self.end(None)
                 self.files = []
                 self.warn(f"no fields from t = {loop.time:g} s on: {error}")
 
@@ -132,9 +136,12 @@ class Series:
 
     def __init__(self, path: Path, scene: Scene, frames: int, known: int):
         h5py = require("h5py", "writing fields")
-        self.path = path
+        self.path, access = path, h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+        access.set_fclose_degree(h5py.h5f.CLOSE_WEAK)
+        access.set_libver_bounds(h5py.h5f.LIBVER_EARLIEST, h5py.h5f.LIBVER_LATEST)
+        access.set_sieve_buf_size(0)  # It would write more than what `_fill` takes room for
         if not known:
-            self.file = h5py.File(path, "w")
+            self.file = h5py.File(h5py.h5f.create(os.fsencode(path), h5py.h5f.ACC_TRUNC, fapl=access))
             self.file.create_dataset(SCENE, data=np.bytes_(text(scene).encode()))
             self.root = self.file.create_group("VTKHDF")
             self.root.attrs["Version"] = (2, 0)
@@ -143,7 +150,7 @@ class Series:
             self.times = self.steps.create_dataset("Values", (0,), float, maxshape=(frames,), chunks=(frames,))
             return
         try:
-            self.file = h5py.File(path, "r+")
+            self.file = h5py.File(h5py.h5f.open(os.fsencode(path), h5py.h5f.ACC_RDWR, fapl=access))
             self.root = self.file["VTKHDF"]
             self.steps, self.times = self.root["Steps"], self.root["Steps/Values"]
             fits = self.file[SCENE][()].decode() == text(scene) and self.times.maxshape == (frames,)
@@ -162,6 +169,18 @@ class Series:
         layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
         layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
         return group.create_dataset(name, shape, np.float32, dcpl=layout)
+
+    def _fill(self, data: Any, rows: slice, values: Any) -> None:
+        """Write rows of a dataset, for which room is taken on the disk before: HDF5 does not survive a full one."""
+        size = data.dtype.itemsize * math.prod(data.shape[1:])
+        length, begin = (rows.stop - rows.start) * size, data.id.get_offset()
+        if length and begin is not None and hasattr(os, "posix_fallocate"):
+            try:
+                os.posix_fallocate(self.file.id.get_vfd_handle(), begin + rows.start * size, length)
+            except OSError as error:
+                if error.errno not in (errno.EINVAL, errno.EOPNOTSUPP):  # A file system that cannot
+                    raise
+        data[rows] = values
 
     def _count(self, frames: int, time: float | None = None) -> None:
         """Set the number of frames; a new last frame is at `time` (s)."""
@@ -207,7 +226,7 @@ class Grid(Series):
         if FINE in self.file:
             self._write(self.file[FINE], frame, f"{FINE}.")
         if FINE_BOX in self.file:
-            self.file[FINE_BOX][frame] = fine_box(self.fluid)
+            self._fill(self.file[FINE_BOX], slice(frame, frame + 1), fine_box(self.fluid))
         self._count(frame + 1, time)
 
     def _write(self, data: Any, frame: int, prefix: str) -> None:
@@ -217,8 +236,8 @@ class Grid(Series):
         if omega.ndim == 3:
             w, *across = (self.fluid.field(prefix + name).T for name in ("w", "vorticity_x", "vorticity_y"))
             omega = np.stack([*across, omega], axis=-1)
-        data["velocity"][frame] = np.stack([u, v, w], axis=-1)
-        data["vorticity"][frame], data["pressure"][frame] = omega, p
+        for name, values in (("velocity", np.stack([u, v, w], axis=-1)), ("vorticity", omega), ("pressure", p)):
+            self._fill(data[name], slice(frame, frame + 1), values)
 
 
 class Moving(Series):
@@ -250,7 +269,7 @@ class Moving(Series):
     def write(self, frame: int, time: float) -> None:
         """Write the points at `time` (s) as frame number `frame`."""
         points = self._points()
-        self.root["Points"][frame * len(points) : (frame + 1) * len(points)] = points
+        self._fill(self.root["Points"], slice(frame * len(points), (frame + 1) * len(points)), points)
         self._count(frame + 1, time)
 
 

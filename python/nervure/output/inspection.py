@@ -19,7 +19,7 @@ from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.scene.solids import cell_lengths, counts_of
 from nervure.scene.types import FineBox, Fluid, MiddleBox
-from nervure.simulation import checkpoint, results, verified
+from nervure.simulation import checkpoint, ranges, results, verified
 from nervure.simulation.session import Session
 from nervure.units.describe import unit_kinds
 from nervure.units.fmu import read_description, variables_of, version_of
@@ -118,7 +118,7 @@ def show_scene(console: Console, scene: Scene) -> None:
             (f"verified {name.replace('_', ' ')}", f"{bar.limit:.4g} {bar.unit}, here off by up to {bar.error:.2g}")
         )
     rows += _measured(scene)
-    rows += (("warning", text) for text in forecast.warnings(facts))
+    rows += (("warning", text) for text in ranges.warnings(facts))
     _print(console, scene.name, rows)
 
 

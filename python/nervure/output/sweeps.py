@@ -1,6 +1,5 @@
 """Table and picture of a sweep."""
 
-import json
 from collections.abc import Iterable, Sequence
 from math import log
 from pathlib import Path
@@ -11,6 +10,7 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nervure.errors import InputError
+from nervure.files import read_json
 from nervure.output import axis_label, displayed_unit, lengths_in, title, unit_in
 from nervure.scene import Scene, validate
 from nervure.scene.solids import cell_lengths
@@ -57,7 +57,10 @@ MARKERS = "os^Dv*"
 def read(folder: Path) -> list[Row]:
     """Read the rows of the sweep in `folder`."""
     try:
-        rows: list[Row] = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
+        rows: list[Row] = read_json(folder / "sweep.json")
+        needed = {"folder", "scene", "status"}
+        if not isinstance(rows, list) or not all(isinstance(row, dict) and needed <= row.keys() for row in rows):
+            raise ValueError("it is no list of runs")
     except (OSError, ValueError) as error:
         raise InputError(f"{folder} holds no sweep: sweep.json: {error}; `nervure sweep` makes it") from error
     return rows
@@ -195,7 +198,7 @@ def _cell(scene: Scene) -> float:
 def _scene(folder: Path, row: Row) -> Scene | None:
     """Return the scene of a run; None where the file cannot be read."""
     try:
-        return validate(json.loads((folder / str(row["folder"]) / "scene.json").read_text(encoding="utf-8")))
+        return validate(read_json(folder / str(row["folder"]) / "scene.json"))
     except (OSError, ValueError, InputError):
         return None
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgb
 
+from nervure import arguments
 from nervure.errors import InputError
 from nervure.extras import require
 from nervure.output import displayed_unit, lengths_in, title
@@ -52,19 +53,19 @@ class Look:
     camera: Sequence[float] | None = None  # Direction from the middle to the eye
     background: str = "white"
 
-    def check(self) -> None:
-        """Raise `InputError` where a picture cannot be made."""
-        if self.q is not None and not 0 < self.q < np.inf:
-            raise InputError(f"q is {self.q:g}, but must be above 0 1/s²")
-        if self.camera is not None and not (len(self.camera) == 3 and 0 < np.linalg.norm(self.camera) < np.inf):
-            given = ", ".join(f"{part:g}" for part in self.camera)
+    def checked(self) -> "Look":
+        """Return the look with numbers of Python; raise `InputError` where a picture cannot be made."""
+        q = arguments.if_given("q", self.q, least=arguments.ABOVE)
+        camera = None if self.camera is None else arguments.numbers("camera", self.camera)
+        if camera is not None and not (len(camera) == 3 and 0 < np.linalg.norm(camera) < np.inf):
+            given = ", ".join(f"{part:g}" for part in camera)
             raise InputError(f"the camera is {given}, but must be a direction of three numbers")
         try:
-            to_rgb(self.background)
+            to_rgb(arguments.text("background", self.background))
         except ValueError as error:
-            raise InputError(
-                f"the background is {self.background}, but must be a colour as white or #f4f4f4"
-            ) from error
+            given = arguments.shown(self.background)
+            raise InputError(f"the background is {given}, but must be a colour as white or #f4f4f4") from error
+        return Look(q, camera, self.background)
 
 
 @dataclass(frozen=True)

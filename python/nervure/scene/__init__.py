@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from nervure import arguments
 from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check
@@ -48,7 +49,9 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     >>> scene.beam.segments, scene.time.end
     (12, 0.5)
     """
-    (path, source), assignments = _open(name), [overrides] if isinstance(overrides, str) else list(overrides)
+    (path, source), assignments = _open(name), arguments.texts("overrides", overrides)
+    if not isinstance(end_time, int | float | None):  # What number it may be, the check of the scene knows
+        end_time = arguments.if_given("end_time", end_time)
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)

@@ -4,6 +4,7 @@ import json
 import os
 from typing import Any
 
+from nervure.arguments import shown
 from nervure.catalogue import hint, keys
 from nervure.errors import SceneError
 
@@ -38,6 +39,8 @@ def _without_duplicates(members: list[tuple[str, Any]]) -> Document:
 def assign(scene: Document, key: str, value: Any) -> None:
     """Set one value of `scene` by its dotted path. A last key that does not exist is added: whether it is allowed is
     for the units to say."""
+    if not (isinstance(key, str) and key.isprintable()):
+        raise SceneError(f"a key is {shown(key)}, but must be a text such as `time.end`")
     *parents, last = key.split(".")
     target: Any = scene
     for number, part in enumerate(parents):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, GetPydanticSchema, PrivateAttr, Strict, ValidationError
 from pydantic_core.core_schema import no_info_plain_validator_function
 
+from nervure.arguments import shown
 from nervure.catalogue import hint, keys
 from nervure.errors import SceneError
 from nervure.scene.files import Files
@@ -49,7 +50,7 @@ class TypeFault(SceneError, ValueError):
 
 def refusal(error: ValidationError) -> TypeFault:
     """Return the innermost reason why a part does not have its types as a sentence with key and value."""
-    faults = error.errors(include_url=False)
+    faults = [one | {"loc": one["loc"] or ("",)} for one in error.errors(include_url=False)]
     depth = max(len(one["loc"]) for one in faults)
     deepest = [one for one in faults if len(one["loc"]) == depth]
     # Of a value that has one of several keys, a key is unknown where no choice knows it.
@@ -66,6 +67,8 @@ def refusal(error: ValidationError) -> TypeFault:
         whole, names = ".".join(map(str, path[:-1])), dict.fromkeys(str(one["loc"][-1]) for one in deepest)
         return TypeFault(f"`{whole}` {has}, but must have exactly one of the keys {', '.join(names)}")
     if found["type"] == "extra_forbidden":
+        path = [*path[: -1 if path[-1:] == [found["loc"][-1]] else None], found["loc"][-1]]
+        key = ".".join(map(str, path))
         near = hint(str(path[-1]), keys(".".join(map(str, path[:-1])))) if error.title == "Scene" else ""
         return TypeFault(": ".join(filter(None, [f"unknown key `{key}`", near])))
     if found["type"] == "missing":
@@ -73,7 +76,7 @@ def refusal(error: ValidationError) -> TypeFault:
     reason = found["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     reason = re.sub(r"a valid dictionary or instance of \w+", "an object", reason)
     short = shown if len(shown) <= LONGEST_SHOWN else f"{shown[:LONGEST_SHOWN]}…"
-    return TypeFault(f"`{key}` is {short}, but {reason}")
+    return TypeFault(f"{f'`{key}`' if key else 'it'} is {short}, but {reason}")
 
 
 if TYPE_CHECKING:
@@ -113,6 +116,8 @@ class Part(BaseModel, metaclass=_Checked):
         >>> scene.beam.segments, scene.time.end
         (12, 0.5)
         """
+        if not (changes is None or isinstance(changes, Mapping)):
+            raise SceneError(f"the changes are {shown(changes)}, but must be a dictionary of values by dotted key")
         changed = copy.deepcopy(self.document())
         by_name = {name.replace("__", "."): value for name, value in more.items()}
         files = self._files.change(changed, {**(changes or {}), **by_name})

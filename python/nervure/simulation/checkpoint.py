@@ -61,6 +61,8 @@ def read(folder: Path, finished: bool = False) -> Kept:
             "with --checkpoint-every where it is killed, or finished and to be extended by `--end-time`"
         )
     try:
+        if not zipfile.is_zipfile(path):
+            raise ValueError("it is no whole archive of NumPy")
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         about = json.loads(arrays["about"].tobytes())

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from nervure.errors import InputError
+from nervure.errors import InputError, SceneError
 from nervure.evaluate.statistics import Series
-from nervure.files import write_together
+from nervure.files import read_json, write_together
 from nervure.scene import Document, Scene, document, text, validate
 from nervure.scene.facts import Facts
 from nervure.scene.part import refusal
@@ -59,8 +59,8 @@ class Results:
 def read(folder: Path) -> Results:
     """Read the results in `folder`; series.csv has ten digits, series.h5 of a long run has all."""
     try:
-        scene = validate(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        scene = _scene(folder)
+        summary = read_json(folder / "summary.json")
         columns, table = _read_series(folder)
         known = adapter().validate_python(summary)
     except OSError as error:
@@ -84,6 +84,14 @@ def read(folder: Path) -> Results:
     return Results(Facts(scene), folder, known, dict(zip(columns, table.T, strict=True)), units)
 
 
+def _scene(folder: Path) -> Scene:
+    """Return the scene of the results in `folder`; raise `ValueError` where the file holds none."""
+    try:
+        return validate(read_json(folder / "scene.json"))
+    except SceneError as error:
+        raise ValueError(f"scene.json: {error}") from error
+
+
 def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
     """Return the names of the recorded columns and their table, `[rows, columns]`."""
     h5py = _h5py()
@@ -94,6 +102,9 @@ def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
     with open(folder / "series.csv", encoding="utf-8") as table:
         columns = table.readline().strip().split(",")
         rows = [line for line in table if line.strip()]
+        for number, row in enumerate(rows, 1):
+            if (found := row.count(",") + 1) != len(columns):
+                raise ValueError(f"row {number} of series.csv has {found} values for {len(columns)} columns")
         return columns, np.loadtxt(rows, delimiter=",", ndmin=2) if rows else np.empty((0, len(columns)))
 
 
@@ -154,8 +165,8 @@ def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[s
 def _earlier(folder: Path) -> tuple[Document, dict[str, str]] | None:
     """Return the scene and the models of the units of the results in `folder`; None where they cannot be read."""
     try:
-        scene = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
-        units = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"]
+        scene = read_json(folder / "scene.json")
+        units = read_json(folder / "summary.json")["units"]
         return scene, {unit: info["model"] for unit, info in units.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None

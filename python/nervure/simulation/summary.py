@@ -23,6 +23,7 @@ from nervure.provenance import Machine, Revision, git_revision, machine, version
 from nervure.scene import Scene, column_names, wings
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.scene.types import Reference
+from nervure.simulation import ranges
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.verified import Bar
 from nervure.units.describe import unit_label
@@ -343,7 +344,7 @@ def summarize(
     status: RunStatus,
     warnings: Sequence[str] = (),
 ) -> Summary:
-    """Evaluate a run that gave `warnings`."""
+    """Evaluate a run that gave `warnings`, besides those of its scene."""
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
     rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
@@ -407,7 +408,7 @@ def summarize(
         versions=versions(),
         git=git_revision(),
         machine=machine(),
-        warnings=[*facts.warnings, *warnings, *_imbalances(parts, facts)] or None,
+        warnings=[*dict.fromkeys([*ranges.warnings(facts), *warnings, *_imbalances(parts, facts)])] or None,
         wing=of_wings([own for name, own in parts.values() if name.startswith("wing")], window) if window else None,
         wings=_of_several(facts, parts, [name for name in parts if name in wings(scene)], window),
         rods=_of_several(facts, parts, [name for name in parts if name not in wings(scene)], window),

@@ -32,7 +32,7 @@ from pydantic import ValidationError
 
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
-from nervure.files import claimed, json_numbers, undone_on_error, write_csv, write_whole
+from nervure.files import claimed, json_numbers, read_json, undone_on_error, write_csv, write_whole
 from nervure.library import check, library
 from nervure.scene import Document, Scene, document, files_of, json_or_text, text, validate
 from nervure.simulation import results
@@ -144,6 +144,11 @@ def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) ->
         if len({len(values) for values in axis.values()}) > 1:
             counts = ", ".join(f"{key} has {len(values)}" for key, values in axis.items())
             raise SceneError(f"keys that change together need equally many values: {counts}")
+    for key, values in ((key, values) for axis in axes for key, values in axis.items()):
+        try:
+            json.dumps(values)
+        except (TypeError, ValueError) as error:
+            raise SceneError(f"the values of {key} are nothing for a scene: {error}") from error
     made: list[tuple[Document, dict[str, Any]]] = []
     bases = list(scenes)
     for base in bases:
@@ -200,10 +205,10 @@ def _library_digest(path: Path, _changed: int) -> bytes:
 def earlier_row(case: Case, folder: Path) -> Row | None:
     """Return the row of `case` from an earlier sweep into `folder`; None without one."""
     try:
-        row: Row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        row: Row = read_json(folder / case.folder / ROW)
+        return row if row["key"] == case.key and row["status"] else None
+    except (OSError, ValueError, KeyError, TypeError):
         return None
-    return row if row.get("key") == case.key else None
 
 
 def missing_cases(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
@@ -403,7 +408,7 @@ def _connected(scheduler: Any) -> Iterator[Any]:
     distributed = require("distributed", "a sweep")
     try:
         client = distributed.Client(scheduler, timeout=CONNECT_S)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:
         raise InputError(
             f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are on "
             "this machine"

@@ -12,10 +12,10 @@ from typing import Any
 
 from nervure.errors import InputError, SceneError
 from nervure.library import check
-from nervure.output.forecast import is_fast
 from nervure.scene import Scene, text
 from nervure.scene.solids import box_ends
 from nervure.scene.types import FineBox, MiddleBox
+from nervure.simulation.ranges import is_fast
 from nervure.simulation.verified import free_axes, is_part, sizes, triangles_along
 
 ROOT2 = math.sqrt(2)

@@ -1,21 +1,23 @@
 """A verification: runs in rounds, from the cheap ones on, until the bars are narrow enough or the budget ends."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from time import process_time, time
 
 from nervure.catalogue import hint
 from nervure.errors import InputError, SceneError, UnitError
-from nervure.evaluate import statistics
+from nervure.evaluate import coefficients, statistics
+from nervure.evaluate.flapping import Flapping
 from nervure.output import console as shown, forecast
 from nervure.scene import Scene, document
+from nervure.scene.facts import Facts
 from nervure.simulation import results, sweep
 from nervure.simulation.session import Session
-from nervure.simulation.summary import Summary, is_force
+from nervure.simulation.summary import Summary, is_force, quantities
 from nervure.simulation.sweep import FAILED, FINISHED, Case, Row
 from nervure.simulation.verified import Quantity, Share, Verified, is_part, physics, sizes
 from nervure.terminal import Console
@@ -154,6 +156,9 @@ class Verification:
         settings = list(self.plan.first_settings())
         if not settings:
             raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
+        if self.quantities:
+            with suppress(UnitError), Session(settings[0].scene) as session:  # A run that fails at once says so later
+                check_names(self.quantities, session.facts, session.recorder.columns)
         if not any(map(self._known, settings)):
             self.costs.measure(settings[0], self.now)
         self._announce(settings)
@@ -172,10 +177,10 @@ class Verification:
             if self.rows and self.left <= 0:
                 return []
             if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
-                left = f", of which a first run left {forecast.duration(max(self.left, 0.0))}," if self.rows else ""
+                used, left = "a first run" if self.rows else "the first steps", forecast.duration(max(self.left, 0.0))
                 raise InputError(
-                    f"the budget of {forecast.duration(self.budget)}{left} is too small for two runs of "
-                    f"{self.scene.name}: the cheapest two take about {forecast.duration(cheapest)}"
+                    f"the budget of {forecast.duration(self.budget)}, of which {used} left {left}, is too small "
+                    f"for two runs of {self.scene.name}: the cheapest two take about {forecast.duration(cheapest)}"
                 )
         if top > 1.0:
             self._announce(settings)
@@ -512,10 +517,26 @@ def chosen(summary: Summary, row: Row, wanted: Sequence[str]) -> list[str]:
         if name in numbers and name not in found:
             found.append(name)
         elif name not in summary.quantities and name not in found and row.get(name, name) is not None:
-            raise InputError(  # What has no value in this run, such as a frequency, may have one in another
-                f"the quantity `{name}` is not in the results: {hint(name, [*summary.quantities, *numbers])}"
-            )
+            raise _unknown(name, [*summary.quantities, *numbers])  # What has no value here may have one in another run
     return found
+
+
+def check_names(wanted: Sequence[str], facts: Facts, columns: Collection[str]) -> None:
+    """Raise `InputError` where one of the `wanted` quantities is in no run of a scene that records these `columns`."""
+    outputs = [name for name in quantities(facts) if name in columns]
+    known = [*outputs, *(f"{name}_{what}" for name in outputs for what in STATISTICS)]
+    known += [name for name in sweep.REPORTED if name not in EFFORT]
+    known += coefficients.NAMES if coefficients.scale(facts) else []
+    if "rigid_tip_ux" in columns:  # Without a fluid only what needs no default has a value
+        of_drive = [own for own in fields(Flapping) if facts.scene.fluid or own.default is MISSING]
+        known += [own.name for own in of_drive if own.type in (float, float | None)]
+    for name in wanted:
+        if name not in known:
+            raise _unknown(name, known)
+
+
+def _unknown(name: str, known: Iterable[str]) -> InputError:
+    return InputError(f"the quantity `{name}` is not in the results: {hint(name, known)}")
 
 
 def unsettles(summary: Summary) -> bool:
