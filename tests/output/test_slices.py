@@ -139,9 +139,9 @@ def test_a_chosen_slice_has_the_values_of_the_field(run):
         ({"across": "w"}, "across is w, but must be x, y or z"),
         ({"across": "z", "at": 3.0}, "at is 3 m, but the box is from -1 to 1 m along z"),
         ({"crop": [0.0, 1.0]}, "the crop is 0, 1, but must be ends inside the box -1.5, 2.5, -1, 1, -1, 1 m"),
-        ({"q": -1.0}, "q is -1, but must be above 0"),
+        ({"q": -1.0}, "q is -1.0, but must be a finite number above 0"),
         ({"camera": [0.0, 0.0, 0.0]}, "must be a direction"),
-        ({"background": "windy"}, "the background is windy, but must be a colour"),
+        ({"background": "windy"}, "the background is 'windy', but must be a colour"),
     ],
 )
 def test_what_cannot_be_shown_is_refused_before_anything_is_written(run, wrong, told):
