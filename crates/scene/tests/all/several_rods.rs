@@ -60,7 +60,10 @@ fn unit_sees_one_rod() {
 fn lists_that_make_no_sense_are_refused_by_key() {
     for (replaced, expected) in [
         ((r#""name":"back""#, r#""name":"Front""#), "`rods[1].name` is \"Front\", but another rod has this name"),
-        ((r#""name":"back""#, r#""name":"fluid""#), "`rods[1].name` is \"fluid\", but `rod` and `fluid` are the names"),
+        (
+            (r#""name":"back""#, r#""name":"fluid""#),
+            "`rods[1].name` is \"fluid\", but `rod`, `wing`, `body`, `fluid` and `contact` are the",
+        ),
         ((r#""name":"back""#, r#""name":"b-1""#), "`rods[1].name` is \"b-1\", but a name is a letter, then"),
         ((r#""angle":3.0"#, r#""angle":0.0"#), "`rods[1].beam.root` puts the beam onto the beam of `front`"),
         ((r#""cylinder":0"#, r#""cylinder":1"#), "`rods[0].beam.root.on_cylinder.cylinder` is 1, but"),
