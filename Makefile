@@ -15,6 +15,9 @@ NERVURE := $(VENV)/bin/nervure
 TYPES := python/nervure/scene/types.py
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
+# A shell that forbids bytecode would let each of some hundred starts of Python compile all that it imports.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test rust-lint lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
