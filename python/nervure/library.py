@@ -101,9 +101,11 @@ def _function(name: str) -> Callable[..., int]:
     return function
 
 
-def _written(function: Callable[..., int]) -> tuple[int, str]:
-    """Return code and text of a C function that writes a text where there is room for it."""
-    needed, buffer, code = ctypes.c_size_t(1 << 20), bytearray(), 0
+def _written(function: Callable[..., int], room: int = 1 << 16) -> tuple[int, str]:
+    """Return code and text of a C function that writes a text where there is room for it.
+
+    Fresh memory costs a run more than its checks, so short answers get a little that was used before."""
+    needed, buffer, code = ctypes.c_size_t(room), bytearray(), 0
     while len(buffer) < needed.value:
         buffer = bytearray(needed.value)
         there = (ctypes.c_char * len(buffer)).from_buffer(buffer)  # Unlike a buffer of ctypes, it is not filled first
@@ -121,7 +123,7 @@ def describe(kind: str, text: str, version: int = 2) -> str:
     function.argtypes = [ctypes.c_char_p, *BUFFER]
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
-        refused, answer = _written(partial(function, os.fsencode(resources)))
+        refused, answer = _written(partial(function, os.fsencode(resources)), 1 << 20)
     if refused:
         faults = check(text)
         raise SceneError("\n".join(fault.text for fault in faults) or answer, faults)
