@@ -13,7 +13,8 @@ from studies.store import Data
 
 MEASURED = (rod.STUDY, contact.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY,
             driven_bar.STUDY, turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, slit.STUDY, two_grids.STUDY,
-            two_grids.SIZES, space.STUDY, settling.STUDY, flight.STUDY, wing.STUDY, coverage.STUDY)  # fmt: skip
+            two_grids.SIZES, two_grids.TWO, two_grids.DISTANT, space.STUDY, settling.STUDY, flight.STUDY, wing.STUDY,
+            coverage.STUDY)  # fmt: skip
 STUDIES = (*MEASURED, scenes.study(MEASURED), running.STUDY, lab.STUDY, leave_out.STUDY, report.STUDY,
            reliability.STUDY)  # fmt: skip
 

@@ -106,6 +106,15 @@ def worst(data: Data) -> list[str]:
     return [f"1. {line}" for _, line in sorted(found, key=lambda one: -abs(one[0]))[:WORST]]
 
 
+def headlines(data: Data) -> list[dict[str, Any]]:
+    """Return the cases of the first page with their errors."""
+    rows = []
+    for part in simulate.LISTED["headlines"]:
+        record = data[part["of"]]
+        rows.append(part | {"off": show.form(part["off"], record.view), "cpu_s": record["cpu_s"]})
+    return rows
+
+
 def fronts(data: Data) -> dict[str, dict[str, list[tuple[float, float]]]]:
     """Return CPU time, s, and largest error of the runs by panel and method."""
     found: dict[str, dict[str, list[tuple[float, float]]]] = {}
@@ -137,4 +146,5 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 
 def study(others: Iterable[Study]) -> Study:
-    return Study("scenes", cases_beside(others), extract, {"right": every, "worst": worst}, draw)
+    tables = {"right": every, "worst": worst, "headlines": headlines}
+    return Study("scenes", cases_beside(others), extract, tables, draw)

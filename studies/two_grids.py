@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import product
-from math import radians
+from math import pi, radians
 from pathlib import Path
 from time import process_time
 from typing import Any
 
+from nervure.evaluate.statistics import Series
 from studies import flapping, simulate
-from studies.engine import FLUID, Case, Study
+from studies.engine import COUPLED, FLUID, Case, Study
 from studies.store import Data
 
 SCENE = "cylinder-stream-384x512"
@@ -123,3 +125,129 @@ def by_size(data: Data) -> list[dict[str, Any]]:
 
 
 SIZES = Study("fine-box", sizes, lambda case, run: run.found, {"fine-box": by_size})
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A flow on one grid and on two, whose fine cells are those of the one."""
+
+    scene: str
+    changes: dict[str, Any]
+    quantities: Callable[[Series], dict[str, float]]
+    ends: dict[int, dict[str, list[float]]]
+    """Ends of the fine box by ratio."""
+    sources: tuple[str, ...] = FLUID
+
+
+def sheds(series: Series, begin: float, force: str = "drag") -> dict[str, float]:
+    """Return mean drag coefficient and amplitude of the lift coefficient from `begin` (s) on."""
+    late = series["time"] >= begin
+    return {"cD": 2 * float(series[force][late].mean()), "±cL": 2 * flapping.swing(series, "lift", begin)["amplitude"]}
+
+
+def means(series: Series, begin: float, scale: float, **columns: str) -> dict[str, float]:
+    """Return the means of columns by name, times `scale`, from `begin` (s) on."""
+    late = series["time"] >= begin
+    return {name: scale * float(series[column][late].mean()) for name, column in columns.items()}
+
+
+CIRCLE: dict[str, Any] = {"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 0.0]}
+IN_PLANE: dict[str, Any] = flapping.NARROW | {"fluid.box.cells": [384, 256]}
+AROUND = {ratio: {"x": [-2.4, 3.6], "y": [-2.0, 2.0]} for ratio in (2, 4)}
+PAIRS: dict[str, Pair] = {
+    "cylinder that shakes, Re 185": Pair(
+        SCENE,
+        IN_PLANE
+        | {
+            "fluid.kinematic_viscosity": 1 / 185,
+            "fluid.bodies": [CIRCLE | {"motion": {"y": {"sine": {"amplitude": 0.2, "frequency": 0.195}}}}],
+        },
+        lambda series: sheds(series, 30.0),
+        AROUND | {4: {"x": [-2.4, 3.6], "y": [-2.5, 2.5]}},
+    ),
+    "plate at 30°, Re 100": Pair(
+        SCENE,
+        IN_PLANE | {"fluid.kinematic_viscosity": 0.01, "fluid.bodies": [SHAPES["plate"] | {"position": [0.0, 0.0]}]},
+        lambda series: means(series, 40.0, 2.0, cD="drag", cL="lift"),
+        AROUND,
+    ),
+    "two cylinders in a row, Re 40": Pair(
+        SCENE,
+        IN_PLANE | {"time.end": 40.0, "fluid.bodies": [CIRCLE, CIRCLE | {"position": [3.0, 0.0]}]},
+        lambda series: means(series, 36.0, 2.0, **{"cD": "body_1_drag", "cD of the second": "body_2_drag"}),
+        {ratio: {"x": [-2.4, 6.6], "y": [-2.0, 2.0]} for ratio in (2, 4)},
+    ),
+    "sphere, Re 100": Pair(
+        "sphere-stream-144x96x96",
+        {"fluid.threads": 1},
+        lambda series: means(series, 20.0, 8 / pi, cD="drag"),
+        {
+            2: {"x": [-4.03 + 14 / 6, -4.03 + 41 / 6], "y": [-5 / 3, 5 / 3], "z": [-5 / 3, 5 / 3]},
+            4: {"x": [-4.03 + 4 / 3, 3.97], "y": [-8 / 3, 8 / 3], "z": [-8 / 3, 8 / 3]},
+        },
+    ),
+    "flag, line": Pair(
+        "flag-line-480x240",
+        {},
+        lambda series: {
+            name: flapping.swing(series, "tip_uy", 10.0)[key]
+            for name, key in (("±uy", "amplitude"), ("f", "frequency"))
+        },
+        {ratio: {"x": [-0.25, 1.5], "y": [-0.5, 0.5]} for ratio in (2, 4)},
+        COUPLED,
+    ),
+}
+
+
+def pairs() -> Iterator[Case]:
+    for (name, pair), ratio in product(PAIRS.items(), (1, 2, 4)):
+        box = pair.changes.get("fluid.box.cells") or simulate.shipped(pair.scene)["fluid"]["box"]["cells"]
+        fine: dict[str, Any] = {"fluid.fine_box": pair.ends[ratio] | {"ratio": ratio}} if ratio > 1 else {}
+        changes = pair.changes | {"fluid.box.cells": [cells // ratio for cells in box]} | fine
+        about = {"pair": name, "ratio": ratio}
+        yield Case(f"{name}/{ratio}", pair.sources, pair.scene, changes, action=evaluated, about=about)
+
+
+def evaluated(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the quantities of a pair, and the processor time of the run, s."""
+    begin = process_time()
+    values = PAIRS[case.about["pair"]].quantities(simulate.completed(case.built(), folder))
+    return {"values": values, "times": {"cpu_s": process_time() - begin}}
+
+
+def by_quantity(data: Data) -> list[dict[str, Any]]:
+    """Return the quantities on one grid, and the differences on two."""
+    rows = []
+    for name in PAIRS:
+        views = {r.view["ratio"]: r.view for r in data.of(f"grid-pairs/{name}/*")}
+        for quantity in data[f"grid-pairs/{name}/1"].values:
+            row = {"pair": name, "quantity": quantity, "one": views[1][quantity]}
+            row |= {f"off_{ratio}": views[ratio][quantity] / views[1][quantity] - 1 for ratio in (2, 4)}
+            row |= {f"time_{ratio}": views[ratio]["cpu_s"] / views[1]["cpu_s"] for ratio in (2, 4)}
+            rows.append(row)
+    return rows
+
+
+TWO = Study("grid-pairs", pairs, lambda case, run: run.found, {"grid-pairs": by_quantity})
+
+FAR: dict[str, Any] = flapping.SHEDDING | {
+    "time.end": 150.0,
+    "fluid.box": {"x": [-24.0, 36.0], "y": [-30.0, 30.0]},
+    "fluid.sponge.x": [32.0, 36.0],
+}
+"""A cylinder at Re 100 in 60 x 60 diameters."""
+LEVELS: dict[str, tuple[int, dict[str, Any]]] = {
+    "ratio 4": (4, {}),
+    "ratio 2 x 2": (4, {"fluid.middle_box": {"x": [-6.0, 10.0], "y": [-6.0, 6.0]}}),
+    "ratio 2": (2, {}),
+}
+
+
+def far() -> Iterator[Case]:
+    for label, (ratio, middle) in LEVELS.items():
+        fine = {"fluid.fine_box": {"x": [-3.0, 5.0], "y": [-3.0, 3.0], "ratio": ratio}}
+        changes = FAR | {"fluid.box.cells": [60 * CELLS // ratio] * 2} | fine | middle
+        yield Case(f"cylinder/{label}", FLUID, SCENE, changes, action=measured, about={"reynolds": 100})
+
+
+DISTANT = Study("grid-far", far, lambda case, run: run.found)
