@@ -269,6 +269,9 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 	--output results/gallery/cylinder-2d2-450x90
 	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
 	--output results/gallery/cfd3-325x72
+	$(NERVURE) run cylinder-settling-140x392 --fields-every 0.02 --force --quiet --output results/gallery/cylinder-settling-140x392
+	$(NERVURE) run sphere-settling-80x80x120 --fields-every 0.08 --force --quiet --output results/gallery/sphere-settling-80x80x120
+	$(NERVURE) run examples/drafting-disks.json --fields-every 0.01 --force --quiet --output results/gallery/drafting-disks
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
 	$(NERVURE) run examples/plate-falling.json --fields-every 0.02 --output results/plate-falling --force --quiet
 	$(NERVURE) animate results/plate-falling --begin 0.2 --end 1.2 --crop=-0.035,0.035,-0.17,0

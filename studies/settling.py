@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Iterator
+from math import pi, tau
 from typing import Any
 
 import numpy as np
@@ -71,7 +73,56 @@ def falling(nu: float, density: float, ratio: float, diameter: float, cells: int
     } | dict.fromkeys(("time.communication_step", "fluid.time_stepping.max_step"), step)
 
 
+NU, DISPLACED = 0.04, pi / 6
+"""Viscosity, m²/s, and displaced mass, kg, of a sphere of the diameter 1 m on a spring, twice as heavy as its fluid."""
+STIFFNESS = (tau / 4) ** 2 * 2.5 * DISPLACED
+
+
+def stokes() -> tuple[float, float]:
+    """Return period, s, and damping by the critical one of the sphere on a spring in slow flow: at the complex rate s
+    the force is -(m s + 6 pi mu R (1 + R (s/nu)^1/2)) v with half of the displaced mass as m (Stokes 1851)."""
+    rate = 1j * tau / 4
+    for _ in range(100):
+        drag = 3 * pi * NU * (1 + 0.5 * cmath.sqrt(rate / NU))
+        rate = 1j * cmath.sqrt(STIFFNESS / (2.5 * DISPLACED + drag / rate))
+    return tau / rate.imag, -rate.real / rate.imag
+
+
+def springs() -> Iterator[Case]:
+    """Yield the sphere on a spring in a box of 12.8 diameters, on two grids."""
+    position, start = [0.01, 0.02, 0.03], 0.05
+    mount = {"mass": 2 * DISPLACED, "y": {"stiffness": STIFFNESS, "rest": -start}}
+    period, damping = stokes()
+    for n, ratio, side in ((10, 2, 1.8), (20, 4, 2.2)):
+        box, fine = ({axis: [-half, half] for axis in "xyz"} for half in (6.4, side))
+        changes: dict[str, Any] = {
+            "time": {"end": 14.0, "communication_step": 0.4 / n},
+            "fluid": {
+                "density": 1.0,
+                "kinematic_viscosity": NU,
+                "box": box | {"cells": [128 * n // 10 // ratio] * 3},
+                "fine_box": fine | {"ratio": ratio},
+                "mean_flow": {axis: {"constant": 0.0} for axis in "xyz"},
+                "bodies": [{"shape": {"sphere": {"radius": 0.5}}, "position": position, "mount": mount}],
+                "mask": {"log_linear": {"c_eta": 1e-4}},
+                "time_stepping": {"max_step": 0.4 / n, "max_cfl": 0.4},
+            },
+        }
+        about = {"expected": {"period": period, "damping": damping}, "grid": f"{n} cells"}
+        yield Case(f"spring/{n} cells", FLUID, SPHERE, changes, about=about)
+
+
+def rings(run: Run) -> dict[str, float]:
+    """Return period, s, and damping of the second cycle of the sphere on a spring."""
+    time, way = run.series["time"], run.series["body_1_y"] - run.series["body_1_y"][0] + 0.05
+    passes = np.flatnonzero(way[:-1] * way[1:] < 0)
+    times = time[passes] - way[passes] * np.diff(time)[passes] / np.diff(way)[passes]
+    turns = np.abs(way[1:-1][np.diff(way)[:-1] * np.diff(way)[1:] < 0])
+    return {"period": float(times[3] - times[1]), "damping": float(np.log(turns[0] / turns[2])) / tau}
+
+
 def cases() -> Iterator[Case]:
+    yield from springs()
     for reynolds, (density, viscosity, end, speed) in TANKS.items():
         changes: dict[str, Any] = {"fluid.density": density, "fluid.kinematic_viscosity": viscosity / density}
         changes |= {"time.end": end} | dict.fromkeys(
@@ -120,6 +171,8 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
         values = {name: value for name, value in values.items() if name in case.about["expected"]}
     elif case.scene == PAIR:
         values = {"kiss": kiss(case, run)}
+    elif case.name.startswith("spring/"):
+        values = rings(run)
     elif case.scene == SPHERE:
         values = {"speed": float(-run.series["body_1_vz"].min())}
     else:
