@@ -77,6 +77,12 @@ def maps() -> Iterator[Case]:
         changes = COARSE | {"rod.scheme": scheme, "time.communication_step": step, "fluid.time_stepping.max_step": step}
         about = {"scheme": scheme, "step": step}
         yield Case(f"map/{scheme}, {step:g} s", COUPLED, SCENE, changes, action=mapped, about=about)
+        for ratio in (2, 4) if scheme == "bdf2" else ():
+            box = {"x": [-3.0, 7.0], "y": [-2.5, 2.5], "cells": [192 // ratio, 96 // ratio]}
+            fine = {"x": [-1.25, 2.25], "y": [-1.75, 1.75], "ratio": ratio}
+            grids = {"fluid.box": box, "fluid.fine_box": fine, "fluid.sponge.x": [6.0, 7.0]}
+            name = f"map/{scheme}, {step:g} s, two grids, ratio {ratio}"
+            yield Case(name, COUPLED, SCENE, changes | grids, action=mapped, about=about)
 
 
 ORDER_STEPS, ORDER_REFERENCE = (0.008, 0.004, 0.002), 0.00025  # s
