@@ -478,6 +478,22 @@ TWO_GRIDS = {
 }
 
 
+ALL = ["x", "y", "z", "angle_x", "angle_y", "angle_z"]
+
+
+@pytest.mark.parametrize(
+    ("held", "gains"), [([], True), (ALL[3:], True), (["x", "y"], True), (["z"], False), (ALL, False)]
+)
+def test_a_flyer_whose_weight_no_support_bears_sets_a_periodic_box_in_motion(held, gains):
+    scene = swimmer()
+    del scene["fluid"]["mean_flow"]
+    scene["flyer"] |= {"gravity": [0.0, 0.0, -9.81], "held": held}
+    told = [text for text in Facts(validate(scene)).warnings if "gives its weight to the fluid" in text]
+    assert len(told) == gains and all("`channel` or a `sponge`" in text for text in told)
+    scene["fluid"]["channel"] = {"z": [-0.9, 0.9]}
+    assert not any("gives its weight" in text for text in Facts(validate(scene)).warnings)
+
+
 @pytest.mark.parametrize("grids", [{}, TWO_GRIDS], ids=["one grid", "two grids"])
 def test_a_flyer_whose_step_has_four_of_its_fluid_moves_as_with_four_steps(grids, tmp_path):
     """By `max_step`; what a function sets at hinges lies between the steps, too."""
