@@ -55,6 +55,8 @@ pub struct Facts {
     pub scales: BTreeMap<String, Scales>,
     /// Velocity of the stream, m/s; absent in still fluid.
     pub stream: Option<[f64; 3]>,
+    /// Name of what the fine box follows, or `master`; absent for a box that stays, and without one.
+    pub followed: Option<String>,
     /// Mesh of the wing; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wing: Option<WingFacts>,
@@ -200,12 +202,14 @@ impl Scene {
             warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passages));
         }
         let wing = self.wing.as_ref().map(wing_facts);
+        let fine = self.fluid.as_ref().and_then(|fluid| fluid.fine_box.as_ref());
         Facts {
             beams,
             laws: laws(self),
             dimensionless,
             scales: scales.into_iter().collect(),
             stream,
+            followed: fine.filter(|fine| fine.follows()).and_then(|fine| fine.follow.clone()),
             wing,
             fluid_steps,
             warnings,

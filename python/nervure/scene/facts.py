@@ -162,6 +162,12 @@ class Facts:
         """Velocity of the stream, m/s, `[3]`; None in still fluid."""
         return None if self._found["stream"] is None else np.array(self._found["stream"])
 
+    @property
+    def followed(self) -> str | None:
+        """Name of what the fine box follows, or `master`; None for a box that stays, and without one."""
+        found: str | None = self._found["followed"]
+        return found
+
     @cached_property
     def wing(self) -> WingMesh | None:
         """The meshes of the wings, as a flyer holds them at angles of 0; None without one."""
