@@ -32,10 +32,7 @@ class OwnWing(ContractUnit):
         wing = named[scene["this_wing"]] if named else scene["wing"]
         mesh = wing["mesh"].get("triangles")
         if mesh is None:
-            raise ValueError(
-                f"the mesh of the wing is {', '.join(wing['mesh'])}, but must be `triangles`, the only mesh that this "
-                "unit knows"
-            )
+            raise ValueError(f"the mesh of the wing is {', '.join(wing['mesh'])}, but must be `triangles`")
         nodes, triangles = np.array(mesh["nodes"], float).T, np.array(mesh["triangles"])
         a, b, c = (nodes[:, triangles[:, k]] for k in range(3))
         areas = np.linalg.norm(np.cross(b - a, c - a, axis=0), axis=0) / 2
@@ -54,14 +51,10 @@ class OwnWing(ContractUnit):
         self.impedance, self.h_before = np.zeros(n), 0.0
         for d, axis in enumerate("xyz"):
             self.register_array(f"force_{axis}", "N", Fmi2Causality.input, self.force[d])
-            for name, unit, values in (
-                (axis, "m", self.X),
-                (f"v{axis}", "m/s", self.V),
-                (f"omega_{axis}", "rad/s", self.omega),
-            ):
-                self.register(
-                    f"root.{name}", unit, Fmi2Causality.input, partial(values.item, d), partial(values.__setitem__, d)
-                )
+            motion = {axis: ("m", self.X), f"v{axis}": ("m/s", self.V), f"omega_{axis}": ("rad/s", self.omega)}
+            for name, (unit, own) in motion.items():
+                get, put = partial(own.item, d), partial(own.__setitem__, d)
+                self.register(f"root.{name}", unit, Fmi2Causality.input, get, put)
             self.register(f"root.force_{axis}", "N", Fmi2Causality.output, partial(self.on_root.item, d))
             self.register(f"root.moment_{axis}", "N.m", Fmi2Causality.output, partial(self.about_root.item, d))
             for k in range(n):

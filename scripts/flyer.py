@@ -27,23 +27,16 @@ def give(source: Unit, target: Unit, names: dict[str, str]) -> None:
 class Carried:
     """A wing with the names of what it exchanges with the body and with the fluid, where it has a prefix."""
 
-    def __init__(self, unit: Unit, name: str, prefix: str, body: Unit):
-        self.unit, self.prefix = unit, prefix
-        roots = [own for own in unit.inputs if own.startswith("root.") and own != "root.step"]
-        begins = {kind: {f"{name}.{kind}.{own[5:]}": own for own in roots} for kind in ("root", "reference")}
-        self.roots = {
-            kind: {
-                at: own for begin, own in names.items() for at in body.references if f"{at}[".startswith(f"{begin}[")
-            }
-            for kind, names in begins.items()
-        }
+    def __init__(self, unit: Unit, name: str, prefix: str, body: Unit, fluid: Unit | None):
+        def outputs(kind: str) -> dict[str, str]:
+            names = {f"{name}.{kind}.{own[5:]}": own for own in unit.inputs if own.startswith("root.")}
+            return {at: own for to, own in names.items() for at in body.references if f"{at}[".startswith(f"{to}[")}
+
+        self.unit, self.root, self.reference = unit, outputs("root"), outputs("reference")
         self.borne = {own: f"{name}.{own}" for own in unit.references if BORNE.fullmatch(own)}
         self.announced = {own: f"{name}.{own}" for own in unit.references if ANNOUNCED.match(own)}
         self.loads = {prefix + own: own for own in unit.inputs if not own.startswith("root.")}
-
-    def nodes(self, fluid: Unit) -> dict[str, str]:
-        """Return the names of the nodes at the wing and at the fluid."""
-        return {own.removeprefix(self.prefix): own for own in fluid.inputs if own.startswith(self.prefix)}
+        self.nodes = {at.removeprefix(prefix): at for at in (fluid.inputs if fluid else []) if at.startswith(prefix)}
 
 
 def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float) -> Iterator[list[float]]:
@@ -56,12 +49,12 @@ def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float) -> Ite
     def follow() -> None:
         if fluid:
             for wing in wings:
-                give(wing.unit, fluid, wing.nodes(fluid))
+                give(wing.unit, fluid, wing.nodes)
             for own, output in motions.items():
                 fluid.set([own], [body.get([output])[0] - start.get(output, 0.0)])
 
     for wing in wings:
-        give(body, wing.unit, wing.roots["root"])
+        give(body, wing.unit, wing.root)
     follow()
     for unit in filter(None, [*(wing.unit for wing in wings), body, fluid]):
         unit.fmu.exitInitializationMode()
@@ -75,12 +68,12 @@ def fly(body: Unit, wings: list[Carried], fluid: Unit | None, end: float) -> Ite
             if fluid:
                 give(fluid, body, loads)
                 give(fluid, wing.unit, wing.loads)
-            give(body, wing.unit, wing.roots["reference"])
+            give(body, wing.unit, wing.reference)
             wing.unit.set(["root.step"], [h])
             give(wing.unit, body, wing.announced)
         body.fmu.doStep(t, h)
         for wing in wings:
-            give(body, wing.unit, wing.roots["root"])
+            give(body, wing.unit, wing.root)
             wing.unit.fmu.doStep(t, h)
         if fluid:
             follow()
@@ -98,11 +91,10 @@ if __name__ == "__main__":
     paths = {name: f"{given.units}{name}.fmu" for name in ["body", *given.wings, "fluid"]}
     units = {name: Unit(path, given.end) for name, path in paths.items() if Path(path).exists()}
     places = ["wing."] if len(given.wings) == 1 else [f"wing[{k}]." for k in range(1, len(given.wings) + 1)]
-    carried = [
-        Carried(units[name], name, place, units["body"]) for name, place in zip(given.wings, places, strict=True)
-    ]
+    body, fluid, named = units["body"], units.get("fluid"), zip(given.wings, places, strict=True)
+    wings = [Carried(units[name], name, place, body, fluid) for name, place in named]
     with open(given.csv, "w", encoding="utf-8", newline="") as file:
-        way = fly(units["body"], carried, units.get("fluid"), given.end)
+        way = fly(body, wings, fluid, given.end)
         csv.writer(file).writerows([["time", *WAY], *([f"{value:.10g}" for value in row] for row in way)])
     for unit in units.values():
         unit.close()

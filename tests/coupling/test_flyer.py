@@ -474,8 +474,52 @@ def swimmer() -> dict:
 
 TWO_GRIDS = {
     "box": {axis: [-2.0, 2.0] for axis in "xyz"} | {"cells": [20] * 3},
-    "fine_box": {axis: [-1.6, 1.6] for axis in "xyz"} | {"ratio": 2},
+    "fine_box": {axis: [-1.6, 1.6] for axis in "xyz"} | {"ratio": 2, "follow": "nothing"},
 }
+
+
+ALL = ["x", "y", "z", "angle_x", "angle_y", "angle_z"]
+ROOMY = {axis: [-1.8, 1.8] for axis in "xyz"}
+
+
+@pytest.mark.parametrize(
+    ("fine", "flyer", "followed"),
+    [
+        ({}, {}, "body[1]"),
+        ({"follow": "nothing"}, {}, None),
+        ({"follow": "master"}, {}, "master"),
+        ({}, {"held": ["y", *ALL[3:]]}, "body[1]"),
+        ({}, {"held": ["x", "y", "z"]}, None),  # It turns on the spot
+        ({}, {"shape": None}, None),
+    ],
+)
+def test_a_fine_box_follows_the_shape_of_a_flyer_that_may_leave_its_place(fine, flyer, followed):
+    scene = swimmer()
+    scene["fluid"] |= {"box": TWO_GRIDS["box"] | {"cells": [40] * 3}, "fine_box": ROOMY | {"ratio": 2} | fine}
+    scene["flyer"] |= flyer
+    if flyer.get("shape", 0) is None:
+        del scene["fluid"]["bodies"]
+    assert Facts(validate(scene)).followed == followed
+
+
+def test_a_wing_in_the_rim_of_a_box_that_follows_is_told_what_it_follows():
+    scene = swimmer()
+    scene["fluid"] |= TWO_GRIDS | {"fine_box": {axis: [-1.6, 1.6] for axis in "xyz"} | {"ratio": 2}}
+    with pytest.raises(SceneError, match=r"the rim of `fine_box`, which follows `body\[1\]`, leaves x \[-0.2, 0.2\]"):
+        describe("body", scene)
+
+
+@pytest.mark.parametrize(
+    ("held", "gains"), [([], True), (ALL[3:], True), (["x", "y"], True), (["z"], False), (ALL, False)]
+)
+def test_a_flyer_whose_weight_no_support_bears_sets_a_periodic_box_in_motion(held, gains):
+    scene = swimmer()
+    del scene["fluid"]["mean_flow"]
+    scene["flyer"] |= {"gravity": [0.0, 0.0, -9.81], "held": held}
+    told = [text for text in Facts(validate(scene)).warnings if "gives its weight to the fluid" in text]
+    assert len(told) == gains and all("`channel` or a `sponge`" in text for text in told)
+    scene["fluid"]["channel"] = {"z": [-0.9, 0.9]}
+    assert not any("gives its weight" in text for text in Facts(validate(scene)).warnings)
 
 
 @pytest.mark.parametrize("grids", [{}, TWO_GRIDS], ids=["one grid", "two grids"])

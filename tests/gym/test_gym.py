@@ -95,7 +95,7 @@ def test_a_reset_goes_to_a_start_in_less_than_a_millisecond(env):
 
 def test_a_cache_keeps_the_starts_and_a_damaged_one_is_made_again(tmp_path, monkeypatch):
     advance, made = gym.Env._advance, []
-    monkeypatch.setattr(gym.Env, "_advance", lambda env, steps, plan: made.append(steps) or advance(env, steps, plan))
+    monkeypatch.setattr(gym.Env, "_advance", lambda env, rows: made.append(len(rows)) or advance(env, rows))
     with plate() as first:
         expected = episode(first, 1)
     for damage, steps in ((None, [0, 10]), (0, []), (100, [10])):
@@ -245,6 +245,63 @@ def test_environments_run_in_processes_of_their_own():
     finally:
         several.close()
     assert seen.shape == after.shape == (2, 2) and after[0, 1] == -after[1, 1] != 0
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as made:
+        yield made
+
+
+def short():
+    return plate(load(PLATE).copy({"time.end": 0.3}))
+
+
+def test_environments_on_dask_have_the_bits_that_each_has_alone_over_several_episodes(cluster):
+    """They end and begin again as those of gymnasium."""
+    several = gym.DaskVectorEnv(short, 2, cluster)
+    alone = gymnasium.vector.SyncVectorEnv([short, short])
+    assert several.metadata["autoreset_mode"] == alone.metadata["autoreset_mode"]
+    several.action_space.seed(1)
+    try:
+        pairs: list[tuple[tuple, tuple]] = [(several.reset(seed=5), alone.reset(seed=5))]
+        for _ in range(8):
+            actions = several.action_space.sample()
+            pairs.append((several.step(actions), alone.step(actions)))
+        for found, expected in pairs:
+            assert all(np.array_equal(own, other) for own, other in zip(found[:-1], expected[:-1], strict=True))
+            assert found[-1].keys() == expected[-1].keys()
+            assert np.array_equal(found[-1]["time"], expected[-1]["time"])
+        assert len({found[0].tobytes() for found, _ in pairs}) > 3 and sum(found[3].any() for found, _ in pairs[1:]) > 1
+        with pytest.raises(InputError, match="the action is .* but must be 1 finite number"):
+            several.step(np.array([[0.1], [np.nan]]))
+    finally:
+        several.close()
+        alone.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError):
+        several.reset()
+    with pytest.raises(InputError, match="there are no starts"):
+        gym.DaskVectorEnv(lambda: plate(starts=()), 2, cluster)
+    assert len(cluster.scheduler_info["workers"]) == 2, "the workers of another one go on"
+
+
+def test_environments_on_dask_end_the_processes_that_they_started():
+    psutil = pytest.importorskip("psutil")
+    before = {*psutil.Process().children(recursive=True)}
+    several = gym.DaskVectorEnv(plate, 1)
+    new = {*psutil.Process().children(recursive=True)} - before
+    started = [own for own in new if "resource_tracker" not in " ".join(own.cmdline())]
+    several.reset(seed=1)
+    several.close()
+    _, alive = psutil.wait_procs(started, timeout=5)
+    assert len(started) > 0 and not alive
+
+
+@pytest.mark.parametrize("count", [0, True, 1.5])
+def test_a_number_of_environments_that_is_none_is_refused(count):
+    with pytest.raises(InputError, match=f"count is {count}, but must be a whole number from 1"):
+        gym.DaskVectorEnv(plate, count)
 
 
 def test_a_policy_acts_in_a_run_as_it_does_in_its_environment():

@@ -10,6 +10,7 @@ import pytest
 import nervure
 from nervure.evaluate import bodies, flapping
 from nervure.output import forecast
+from nervure.resources import ROOT
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
 from nervure.scene.solids import counts_of
@@ -59,6 +60,25 @@ def test_cells_in_diameter_thickness_and_layer():
     assert beam.thickness_cells == pytest.approx(0.02 / dx)
     assert cylinder.layer_cells == pytest.approx(np.sqrt(1e-3 * 0.1 / (4 * 3.0)) / dx)  # u_max of the parabola is 3 m/s
     assert beam.layer_cells is None, "the beam is in the cylinder's wake"
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "sides"),
+    [
+        # A wing of 2.5 mm on cells of 12.8/48 mm; its mean chord is area by span.
+        ("examples/flyer-pid.json", "wing_2", {"mean chord": 0.844037e-3, "span": 2.478391e-3}),
+        ("flag-line-480x240", "beam", {"thickness": None, "length": 1.0}),
+    ],
+)
+def test_cells_along_what_the_fluid_meets_as_a_line(name, body, sides):
+    facts = Facts(nervure.load(ROOT / name if "/" in name else name))
+    cell = max(np.ptp(facts.scene.fluid.box.x) / facts.scene.fluid.box.cells[0],
+               np.ptp(facts.scene.fluid.box.y) / facts.scene.fluid.box.cells[1])  # fmt: skip
+    shown = dict(forecast.scene_rows(facts))[f"cells of {body}"]
+    assert "no thickness" not in shown
+    for side, length in sides.items():
+        (count,) = (float(own.split()[0]) for own in shown.split(", ") if f"in the {side}" in own)
+        assert length is None or count == pytest.approx(length / cell, rel=5e-3), shown
 
 
 def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):

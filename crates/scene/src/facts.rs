@@ -30,7 +30,7 @@ use crate::law::TimeLaw;
 use crate::law_warnings;
 use crate::layers::layers;
 use crate::mount::Freedom;
-use crate::scales::{Scales, fastest, reach_from_axis, scales};
+use crate::scales::{Scales, fastest, reach_from_axis, scales, sides_of_wing};
 use crate::scene::{BeamWithRod, Scene};
 use crate::warning::Warning;
 use crate::warnings::warnings;
@@ -55,6 +55,8 @@ pub struct Facts {
     pub scales: BTreeMap<String, Scales>,
     /// Velocity of the stream, m/s; absent in still fluid.
     pub stream: Option<[f64; 3]>,
+    /// Name of what the fine box follows, or `master`; absent for a box that stays, and without one.
+    pub followed: Option<String>,
     /// Mesh of the wing; absent without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wing: Option<WingFacts>,
@@ -152,12 +154,14 @@ pub struct SupportFacts {
 }
 
 /// Resolution of a body by the grid; cells are counted in the coarser direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Resolution {
     /// Diameter of a cylinder, length of a beam or another body, m.
     pub length: f64,
     /// Cells in the diameter or the thickness.
     pub thickness_cells: f64,
+    /// Cells along what the fluid meets as a line: in the length of a beam, in mean chord and span of a wing.
+    pub along: Vec<(&'static str, f64)>,
     /// Cells in the boundary layer at the front; absent in still fluid and for a beam in a wake.
     pub layer_cells: Option<f64>,
 }
@@ -198,12 +202,14 @@ impl Scene {
             warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passages));
         }
         let wing = self.wing.as_ref().map(wing_facts);
+        let fine = self.fluid.as_ref().and_then(|fluid| fluid.fine_box.as_ref());
         Facts {
             beams,
             laws: laws(self),
             dimensionless,
             scales: scales.into_iter().collect(),
             stream,
+            followed: fine.filter(|fine| fine.follows()).and_then(|fine| fine.follow.clone()),
             wing,
             fluid_steps,
             warnings,
@@ -255,6 +261,21 @@ fn thicknesses(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts]) -> Vec<f64> {
     bodies.chain(beams.iter().map(thinnest)).chain(scene.wings().map(|_| 0.0)).collect()
 }
 
+/// Return the lengths, m, along beams and wings that the fluid meets as lines, each with its name, in the order of the
+/// fluid.
+fn along(scene: &Scene, fluid: &Fluid, stream: Option<[f64; 3]>) -> Vec<Vec<(&'static str, f64)>> {
+    let bodies = fluid.obstacles().map(|_| Vec::new());
+    let beams = scene.beams_with_rods().map(|BeamWithRod { beam, .. }| match beam.surface {
+        Surface::Line => vec![("length", beam.length)],
+        _ => Vec::new(),
+    });
+    let wings = scene.wings().map(|own| {
+        let [mean_chord, span] = sides_of_wing(own.wing, stream);
+        vec![("mean chord", mean_chord), ("span", span)]
+    });
+    bodies.chain(beams).chain(wings).collect()
+}
+
 /// Return the number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
 fn fluid_steps(scene: &Scene, fluid: &Fluid, cfl: Option<f64>) -> u64 {
     let at_least_one = |ratio: f64| (ratio - ROUNDING).ceil().max(1.0);
@@ -291,18 +312,21 @@ fn dimensionless(
         (spacing.iter().copied().fold(0.0, f64::max), spacing.iter().copied().fold(f64::INFINITY, f64::min));
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
     let length = first_scales.map(|own| own.length);
-    let thicknesses = thicknesses(scene, fluid, beams);
+    let stream = streams.iter().find(|drive| drive.speed > 0.0).map(|drive| drive.velocity);
+    let sizes = thicknesses(scene, fluid, beams).into_iter().zip(along(scene, fluid, stream));
     let strains: Vec<_> = fluid.obstacles().map(|own| own.body.shape.strain_factor()).collect();
-    let bodies = scales.iter().zip(thicknesses).enumerate().map(|(i, ((name, Scales { length, .. }), thickness))| {
-        let factor = strains.get(i).copied().unwrap_or(if i > 0 { 0.0 } else { 2.0 });
-        let strain = factor * fastest / length;
-        let resolution = Resolution {
-            length: *length,
-            thickness_cells: thickness / coarsest,
-            layer_cells: (strain > 0.0).then(|| (nu / strain).sqrt() / coarsest),
-        };
-        (name.clone(), resolution)
-    });
+    let bodies =
+        scales.iter().zip(sizes).enumerate().map(|(i, ((name, Scales { length, .. }), (thickness, along)))| {
+            let factor = strains.get(i).copied().unwrap_or(if i > 0 { 0.0 } else { 2.0 });
+            let strain = factor * fastest / length;
+            let resolution = Resolution {
+                length: *length,
+                thickness_cells: thickness / coarsest,
+                along: along.into_iter().map(|(name, length)| (name, length / coarsest)).collect(),
+                layer_cells: (strain > 0.0).then(|| (nu / strain).sqrt() / coarsest),
+            };
+            (name.clone(), resolution)
+        });
 
     let first = scene.beams_with_rods().next().zip(beams.first()).and_then(|(own, facts)| {
         Some((own.beam.length, facts.line_density.as_ref()?[0] / rho, facts.bending_stiffness.as_ref()?[0]))

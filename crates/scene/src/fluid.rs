@@ -118,6 +118,9 @@ pub const FINE_BOX_RIM_CELLS: f64 = 5.0;
 /// Cells of the large box that a body needs beyond the rim if the box follows it by whole cells.
 const CELLS_TO_FOLLOW: f64 = 2.0;
 
+/// What a fine box follows that stays.
+pub(crate) const NOTHING: &str = "nothing";
+
 /// Fewest cells of the large box across a fine one.
 const LEAST_CELLS_OF_FINE_BOX: usize = 16;
 
@@ -140,7 +143,8 @@ pub struct FineBox {
     pub ratio: usize,
     /// Body, rod or wing with which the box moves, by the name of its outputs: `body[1]`, `cylinder[1]`, `beam`, or
     /// `beam[2]` of several, `wing`. It may go through the large box from one side to the other. With `master` the inputs
-    /// `fine_box.motion.x`, `.y`, `.z` displace it, m. Absent: the box stays.
+    /// `fine_box.motion.x`, `.y`, `.z` displace it, m. With `nothing` the box stays. Absent: it moves with the shape of a
+    /// flyer that may leave its place, else it stays.
     #[serde(default)]
     pub follow: Option<String>,
 }
@@ -368,7 +372,12 @@ impl FineBox {
 
     /// Return how many of the cells around it a body keeps from its ends.
     fn rim(&self) -> f64 {
-        FINE_BOX_RIM_CELLS + if self.follow.is_some() { CELLS_TO_FOLLOW } else { 0.0 }
+        FINE_BOX_RIM_CELLS + if self.follows() { CELLS_TO_FOLLOW } else { 0.0 }
+    }
+
+    /// Return whether the box moves.
+    pub(crate) fn follows(&self) -> bool {
+        self.follow.as_ref().is_some_and(|name| name != NOTHING)
     }
 
     /// Return the ends between the rims along each axis, m. In its place a large cell is `between` cells.

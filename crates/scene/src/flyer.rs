@@ -138,6 +138,11 @@ impl HingeLaws {
 const FARTHEST: f64 = 1e100;
 
 impl Flyer {
+    /// Return whether it may go along x, y and z.
+    pub(crate) fn goes_along(&self) -> impl Iterator<Item = bool> {
+        [FreedomName::X, FreedomName::Y, FreedomName::Z].into_iter().map(|own| !self.held.contains(&own))
+    }
+
     /// Return its mass, kg, or its moment of inertia about the pivot, kg m², against a motion in one direction, without
     /// what it carries.
     pub(crate) fn inertia_along(&self, along: FreedomName) -> f64 {

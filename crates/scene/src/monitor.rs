@@ -210,7 +210,7 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_co
         });
     }
     if let Some(inner) =
-        fluid.inner_of_fine_box().filter(|_| fluid.fine_box.as_ref().is_some_and(|fine| fine.follow.is_none()))
+        fluid.inner_of_fine_box().filter(|_| fluid.fine_box.as_ref().is_some_and(|fine| !fine.follows()))
     {
         for (axis, [low, high]) in inner.into_iter().enumerate() {
             // A run ends at the first point of the rim with drag.

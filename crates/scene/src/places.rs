@@ -4,7 +4,7 @@ use geometry::{AXES, Chain, Shape, Surface, beyond, crosses, sides};
 
 use crate::beam::{Beam, Root};
 use crate::fault::{Fault, Faults};
-use crate::fluid::{Fluid, Obstacle};
+use crate::fluid::{Fluid, NOTHING, Obstacle};
 use crate::law::TimeLaw;
 use crate::scene::{BeamWithRod, Scene, WingOfScene};
 
@@ -121,8 +121,10 @@ pub(crate) fn streams(fluid: &Fluid) -> [bool; 3] {
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
     if let Some(name) = fluid.fine_box.as_ref().and_then(|fine| fine.follow.as_ref()) {
-        faults.require(scene.followed().is_some(), "fluid.fine_box.follow", format!("{name:?}"), || {
-            let known: Vec<_> = scene.followable().into_iter().map(|(name, _)| format!("`{name}`")).collect();
+        let is_known = name == NOTHING || scene.followed().is_some();
+        faults.require(is_known, "fluid.fine_box.follow", format!("{name:?}"), || {
+            let names = scene.followable().into_iter().map(|(name, _)| name).chain([NOTHING.into()]);
+            let known: Vec<_> = names.map(|name| format!("`{name}`")).collect();
             format!("it must be one of {}", known.join(", "))
         });
     }
@@ -322,12 +324,14 @@ fn in_rim(fluid: &Fluid, shape: &Shape) -> Option<String> {
 /// Return the same of what lies between two ends along each axis, m.
 fn of_rim(fluid: &Fluid, bounds: &[[f64; 2]; 3]) -> Option<String> {
     let inner = fluid.inner_of_fine_box()?;
+    let name = fluid.fine_box.iter().filter(|fine| fine.follows()).find_map(|fine| fine.follow.as_ref());
+    let follows = name.map_or(String::new(), |name| format!(", which follows `{name}`,"));
     let sides = inner.into_iter().zip(bounds).zip(AXES);
     sides
         .filter(|((inner, own), _)| own[0] < inner[0] || own[1] > inner[1])
         .map(|((inner, own), axis)| {
             let [own, inner] = [own, &inner].map(|ends| shown(ends));
-            format!("it reaches over {axis} {own}, and the rim of `fine_box` leaves {axis} {inner}")
+            format!("it reaches over {axis} {own}, and the rim of `fine_box`{follows} leaves {axis} {inner}")
         })
         .next()
 }

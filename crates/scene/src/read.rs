@@ -112,13 +112,14 @@ fn parse(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
     if faults.len() > 0 {
         return Err((Some(tree), faults));
     }
-    let scene: Scene = match serde_json::from_value(tree.into_value()) {
+    let mut scene: Scene = match serde_json::from_value(tree.into_value()) {
         Ok(scene) => scene,
         Err(error) => {
             faults.push(Fault::syntax("", format!("the scene cannot be read: {error}")));
             return Err((None, faults));
         }
     };
+    scene.follow_flyer();
     relations::check(&scene, &mut faults);
     if faults.len() == 0 { Ok(scene) } else { Err((json::parse(text, &mut Faults::default()), faults)) }
 }

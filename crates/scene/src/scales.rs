@@ -90,7 +90,7 @@ pub(crate) fn scales(scene: &Scene, stream: Option<[f64; 3]>) -> Vec<(String, Sc
     for own in scene.wings() {
         let (name, wing) = (own.force_name(), own.wing);
         let sized = of_wing(wing, end);
-        let mean_chord = mean_chord(&sized, stream.unwrap_or_default());
+        let [mean_chord, _] = mean_chord_and_span(&sized, stream.unwrap_or_default());
         add(name, sized, Some(mean_chord), wing.reference.as_ref());
     }
     found
@@ -114,8 +114,14 @@ fn chord(sized: &Sized, stream: [f64; 3]) -> f64 {
     chord_and_span(sized, stream)[0]
 }
 
-fn mean_chord(sized: &Sized, stream: [f64; 3]) -> f64 {
-    sized.area / chord_and_span(sized, stream)[1]
+fn mean_chord_and_span(sized: &Sized, stream: [f64; 3]) -> [f64; 2] {
+    let [_, span] = chord_and_span(sized, stream);
+    [sized.area / span, span]
+}
+
+/// Return the mean chord and the span of a wing in a stream, m.
+pub(crate) fn sides_of_wing(wing: &Wing, stream: Option<[f64; 3]>) -> [f64; 2] {
+    mean_chord_and_span(&of_wing(wing, 0.0), stream.unwrap_or_default())
 }
 
 /// Return the distance from an `axis` through the pivot of a body in space to its farthest node, corner or end of an own

@@ -176,6 +176,15 @@ impl Scene {
         cylinders.chain(bodies).chain(beams).chain(wing).chain(master).collect()
     }
 
+    /// Let a fine box without `follow` follow the shape of a flyer that may leave its place.
+    pub(crate) fn follow_flyer(&mut self) {
+        let (Some(fluid), Some(flyer)) = (&mut self.fluid, &self.flyer) else { return };
+        let shape = flyer.shape.filter(|k| *k < fluid.bodies.len() && flyer.goes_along().any(|goes| goes));
+        if let (Some(fine), Some(k)) = (&mut fluid.fine_box, shape) {
+            fine.follow.get_or_insert_with(|| format!("body[{}]", k + 1));
+        }
+    }
+
     /// Return what the fine box follows.
     pub fn followed(&self) -> Option<Followed> {
         let name = self.fluid.as_ref()?.fine_box.as_ref()?.follow.as_ref()?;

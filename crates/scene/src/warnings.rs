@@ -291,11 +291,11 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Moving]) -> Option<Warning> {
 fn carried_along(scene: &Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Option<Warning> {
     let driven = fluid.mean_flow.is_some() || fluid.inflow.is_some() || fluid.sponge.is_some();
     let stands = |own: &Obstacle| own.body.motion.is_none() && own.body.mount.is_none();
-    let weighs = |flyer: &Flyer| flyer.gravity.iter().any(|own| *own != 0.0) && flyer.held.is_empty();
+    let weighs = |flyer: &Flyer| flyer.goes_along().zip(flyer.gravity).any(|(goes, own)| goes && own != 0.0);
     let flies = scene.flyer.as_ref().is_some_and(weighs) && !fluid.obstacles().any(|own| stands(&own));
     if flies && !driven && fluid.channel.is_none() {
         let text = "the flyer gives its weight to the fluid, which nothing holds in the periodic box: all of it gains \
-                    speed; `\"mean_flow\": {}` holds the fluid";
+                    speed; `\"mean_flow\": {}`, a `channel` or a `sponge` holds the fluid";
         return Some(Warning { key: "flyer.gravity".into(), time: None, text: text.into() });
     }
     let is_held = |own: Obstacle| own.body.mount.is_none();

@@ -89,33 +89,45 @@ def driven_inputs(unit: Unit) -> list[str]:
 
 
 class WithinStep:
-    """The driven inputs of `units` within a communication step: rates linear in time, values with a rate cubic."""
+    """The driven inputs of `units` within a communication step: rates linear in time, values with a rate cubic. They
+    are few: numbers of Python are faster than arrays."""
 
     def __init__(self, units: Sequence[Unit], left: Callable[[Unit], list[str]]):
-        self.parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-        """For each unit its inputs, the places of the driven ones, and of those that are values their rates."""
+        self.places: list[tuple[np.ndarray, int, int]] = []
+        """Of each driven input the array and the place in it, and the number here of its rate, or its own."""
+        self.moving: list[tuple[np.ndarray, int, bool, float, float, float, float]] = []
+        """Inputs that move in this step: place, whether a rate, value and rate at the beginning, and at the end."""
         for unit in units:
-            if names := left(unit):
-                rates = {name: rate or name for name, (_, rate) in driven_quantities(unit).items()}
-                places = [[unit.input_slices[own].start for own in (name, rates.get(name, name))] for name in names]
-                self.parts.append((unit.inputs, *np.array(places).T))
+            names, rates = left(unit), {name: rate for name, (_, rate) in driven_quantities(unit).items()}
+            number = {name: len(self.places) + i for i, name in enumerate(names)}
+            for name in names:
+                place, rate = unit.input_slices[name].start, rates.get(name) or name
+                self.places.append((unit.inputs, place, number[rate]))
         self.keep()
 
     def keep(self) -> None:
         """Take the present values for those at the beginning of the next step."""
-        self.first = [inputs.copy() for inputs, _, _ in self.parts]
+        self.first = [inputs.item(place) for inputs, place, _ in self.places]
 
     def aim(self) -> None:
-        """Take the present values for those at the end of the step."""
-        self.last = [inputs.copy() for inputs, _, _ in self.parts]
+        """Take the present values for those at the end of the step; what stands still needs no more."""
+        first, last = self.first, [inputs.item(place) for inputs, place, _ in self.places]
+        self.moving = [
+            (inputs, place, rate == i, first[i], first[rate], last[i], last[rate])
+            for i, (inputs, place, rate) in enumerate(self.places)
+            if first[i] != last[i] or first[rate] != last[rate] or (rate != i and first[rate])
+        ]
 
     def move(self, share: float, h: float) -> None:
         """Set the inputs to what they are after a share of a step of `h` (s)."""
-        for (inputs, own, rates), first, last in zip(self.parts, self.first, self.last, strict=True):
-            x, v, x_end, v_end = first[own], first[rates], last[own], last[rates]
-            way, linear = x_end - x, x + share * (x_end - x)
-            bend = share * (1 - share) * ((1 - share) * (h * v - way) - share * (h * v_end - way))
-            inputs[own] = x_end if share == 1.0 else np.where(own == rates, linear, linear + bend)
+        for inputs, own, is_rate, x, v, x_end, v_end in self.moving:
+            if share == 1.0:
+                inputs[own] = x_end
+                continue
+            way, there = x_end - x, x + share * (x_end - x)
+            if not is_rate:
+                there += share * (1 - share) * ((1 - share) * (h * v - way) - share * (h * v_end - way))
+            inputs[own] = there
 
 
 def master_inputs(unit: Unit) -> list[str]:

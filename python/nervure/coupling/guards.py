@@ -253,6 +253,8 @@ class EnergyGuard:
     def _speeds(self) -> Speeds | None:
         """The velocities of the stations so far; None where no advice needs them."""
         names = ["vx", "vy", "vz"][: len(self.limits.cell)] if self.limits else []
+        if LONGEST in self.fluid.variables:
+            return None
         if not (self.momentum and self.limits and {*names} <= self.rod.slices.keys()):
             return None
         return Speeds(self.rod.outputs, [self.rod.slices[name] for name in names], self.limits.cell)

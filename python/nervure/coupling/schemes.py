@@ -16,7 +16,7 @@ until r is small; before each repetition all units return to t. Aitken's relaxat
 
 import math
 from array import array
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,8 +165,9 @@ class Explicit(Scheme):
     foreign: Collection[Unit] = ()
     """Units from elsewhere, which are watched."""
     watches: Sequence[StationWatch] = ()
-    longest: Callable[[], np.ndarray] | None = None
-    """Reader of the longest step for which the announced loads hold, s; None where none are announced."""
+    longest: int | None = None
+    """Place among the outputs of the fluid of the longest step for which the announced loads hold, s; None where none
+    are announced."""
     last = 0.0
     """Length of the last exchange, s; 0 before the first."""
 
@@ -181,8 +182,6 @@ class Explicit(Scheme):
                 EnergyGuard(guards, rod, fluid, beam.removesuffix(".") or "beam", self.parallel)
                 for rod, beam in zip(self.rods, self.prefixes, strict=True)
             ]
-        announced = [v.name for v in fluid.variables.values() if v.causality == "output" and "impedance" in v.name]
-        self.longest = fluid.scalars_reader([LONGEST]) if announced and LONGEST in fluid.variables else None
         self.driven = WithinStep(self.units, self.left)
 
     def _connect(self, guards: Guards | None) -> list[Link]:
@@ -206,7 +205,11 @@ class Explicit(Scheme):
         inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
         if lost := next((name for name in inputs if name not in [*known, *driven]), None):
             raise CouplingError(f"the {self.fluid.name} has the input `{lost}`, but there is no rod for it")
-        self.fluid.connect(known + driven, [name for names in there for name in names], powers)
+        announces = any(v.causality == "output" and "impedance" in v.name for v in self.fluid.variables.values())
+        watched = [LONGEST] if announces and LONGEST in self.fluid.variables else []
+        self.fluid.connect(known + driven, [name for names in there for name in names], powers + watched)
+        if watched:
+            self.longest = self.fluid.slices[LONGEST].start
 
         def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
@@ -263,7 +266,7 @@ class Explicit(Scheme):
     def step(self, t: float, h: float) -> int:
         exchanges, left, part = 0, h, self.last or h
         while left > 0.0:
-            holds = self.longest().item() if self.longest else math.inf
+            holds = math.inf if self.longest is None else self.fluid.outputs.item(self.longest)
             # The fluid announces the loads of a step as long as the last one, or divided: longer ones are seldom.
             if not exchanges and 2 * _parts(LONGER * h, holds) <= h / part * (1 + ROUNDING):
                 part = h
@@ -284,12 +287,12 @@ class Explicit(Scheme):
         return exchanges
 
     def memory(self) -> dict[str, np.ndarray]:
-        own = {"last": np.array([self.last])} if self.longest else {}
+        own = {"last": np.array([self.last])} if self.longest is not None else {}
         return own | {"balance": np.array([guard.balance for guard in self.guards])} if self.guards else own
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
         self.driven.keep()
-        self.last = memory["last"].item() if self.longest else 0.0
+        self.last = memory["last"].item() if self.longest is not None else 0.0
         for guard, balance in zip(self.guards, memory.get("balance", ()), strict=True):
             guard.balance = Balance(*balance.tolist())
 

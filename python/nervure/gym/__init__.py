@@ -13,8 +13,9 @@ from gymnasium.envs.registration import register  # noqa: E402
 
 from nervure.gym.env import Action, Baseline, Env, Reward, Values  # noqa: E402
 from nervure.gym.tasks import BASELINES, EPISODES  # noqa: E402
+from nervure.gym.vector import DaskVectorEnv  # noqa: E402
 
-__all__ = ["BASELINES", "Action", "Baseline", "Env", "Reward", "Values"]
+__all__ = ["BASELINES", "Action", "Baseline", "DaskVectorEnv", "Env", "Reward", "Values"]
 
 for name, episode in EPISODES.items():
     register(f"nervure/{name}-v0", f"nervure.gym.tasks:{name.lower()}", max_episode_steps=episode)

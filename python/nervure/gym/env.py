@@ -26,7 +26,6 @@ LAGS = 1e-100, 1e100
 """Shortest and longest lag, s, whose square is a number."""
 
 Values = Mapping[str, float]
-Plan = list[tuple[np.ndarray, Any, np.ndarray]]  # For each unit its inputs, an index of them, and values over time
 Reward = Callable[[Values, np.ndarray], float]
 Baseline = Callable[[np.ndarray, float], np.ndarray]
 """A controller: the action after an observation at a time, s."""
@@ -75,28 +74,17 @@ class Servos:
         self.speeds = np.zeros(len(actions))
         columns = [(own.name, i) for i, own in enumerate(actions)]
         columns += [(rate, len(actions) + i) for i, own in enumerate(actions) if (rate := driver.rates[own.name])]
-        by_unit: dict[int, tuple[np.ndarray, dict[int, int]]] = {}
-        for name, column in columns:
-            inputs, place = driver.places[name]
-            by_unit.setdefault(id(inputs), (inputs, {}))[1][place] = column
-        self._written = [
-            (inputs, _run(sorted(at)), _run([at[k] for k in sorted(at)])) for inputs, at in by_unit.values()
-        ]
+        self.inputs = [(*driver.places[name], column) for name, column in columns]
+        """Array of inputs, place in it, and column of `plan`."""
 
-    def plan(self, targets: np.ndarray) -> Plan:
-        """Go towards `targets`; return for each unit its inputs, places in them, and the values at the times, `[times,
-        places]`."""
+    def plan(self, targets: np.ndarray) -> list[list[float]]:
+        """Go towards `targets`; return the values at the times, places before speeds: numbers, as they are written one
+        by one."""
         both = self._by_place * (self.places - targets) + self._by_speed * self.speeds
         both[:, 0] += targets
         self.places, self.speeds = both[-1]
-        rows = both.reshape(len(both), -1)
-        return [(inputs, places, rows[:, chosen]) for inputs, places, chosen in self._written]
-
-
-def _run(numbers: list[int]) -> Any:
-    """Return an index of numbers: a slice where they follow each other, which NumPy takes faster."""
-    first, count = numbers[0], len(numbers)
-    return slice(first, first + count) if numbers == [*range(first, first + count)] else np.array(numbers)
+        rows: list[list[float]] = both.reshape(len(both), -1).tolist()
+        return rows
 
 
 class Start:
@@ -277,7 +265,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
                 while self.before and session.steps < steps:
                     given = self.before(self._observe(), session.time)
                     self._follow(self._targets("what `before` returns", given))
-                self._advance(steps - session.steps, [])
+                self._advance([()] * (steps - session.steps))
             found[time] = Start(session, self.servos)
             if path and not read:
                 try:
@@ -300,21 +288,26 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     def _follow(self, targets: np.ndarray) -> np.ndarray:
         """Make a step towards targets; return those within the ranges."""
         targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
-        self._advance(self.steps, self.servos.plan(targets))
+        self._advance(self.servos.plan(targets))
         return targets
 
-    def _advance(self, steps: int, plan: Plan) -> None:
-        """Make communication steps by a plan of the servos."""
-        session, h = self.session, self.session.grid.communication_step
-        scheme = session.scheme
-        for k in range(steps):
-            for inputs, places, values in plan:
-                inputs[places] = values[k]
-            t = session.steps * h
-            scheme.step(t, h)
-            for guard in scheme.guards:
-                guard.check(t + h, h)
-            session.steps, session.time = session.steps + 1, t + h
+    def _advance(self, rows: Sequence[Sequence[float]]) -> None:
+        """Make a communication step for each of `rows` of the servos."""
+        session, h, inputs = self.session, self.session.grid.communication_step, self.servos.inputs
+        step, checks = session.scheme.step, [guard.check for guard in session.scheme.guards]
+        number = session.steps
+        try:
+            for row in rows:
+                for array, place, column in inputs if row else ():
+                    array[place] = row[column]
+                t = number * h
+                step(t, h)
+                for check in checks:
+                    check(t + h, h)
+                number += 1
+                session.time = t + h
+        finally:
+            session.steps = number
         session.recorder.values.time = session.time
 
     def _observe(self) -> np.ndarray:

@@ -105,8 +105,8 @@ class View:
         return list(map(self._image, [*found, *(body_outline(body, *of) for body, of in bodies), *beams]))
 
     def _image(self, line: np.ndarray) -> np.ndarray:
-        """Return an outline where it is in the box: one that follows a body may have gone through its sides."""
-        if not (self.fluid.fine_box and self.fluid.fine_box.follow):
+        """Return an outline where it is in the box: what a fine box follows may have gone through its sides."""
+        if not self.fluid.fine_box:
             return line
         low, high = np.transpose(self.ends)
         periods: np.ndarray = np.floor(((line.min(axis=0) + line.max(axis=0)) / 2 - low) / (high - low))

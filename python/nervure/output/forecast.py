@@ -68,8 +68,9 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
         line = "; the fluid meets it as a line" if name in facts.lines else ""
-        thick = f"{body.thickness_cells:.3g} in the {across(name)}" if body.thickness_cells else "no thickness"
-        yield f"cells of {name}", f"{thick}{layer}{line}"
+        cells = ({across(name): body.thickness_cells} if body.thickness_cells else {}) | body.along
+        shown = ", ".join(f"{count:.3g} in the {side}" for side, count in cells.items()) or "no thickness"
+        yield f"cells of {name}", f"{shown}{layer}{line}"
     if numbers.cfl is not None:
         each, largest = facts.fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""

@@ -90,7 +90,7 @@ def show_scene(console: Console, scene: Scene) -> None:
         if middle := fluid.middle_box:
             rows.append(("middle box", _cells_of(middle, fluid)))
         if fine := fluid.fine_box:
-            follows = f", follows {fine.follow}" if fine.follow else ""
+            follows = f", follows {facts.followed}" if facts.followed else ""
             rows.append(("fine box", f"{_cells_of(fine, fluid)}{follows}"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in facts.beams:

@@ -19,6 +19,7 @@ class Body:
 
     length: float  # Diameter of a cylinder, length of a beam or a body, m
     thickness_cells: float  # Cells in the diameter of a cylinder, in the thickness of a beam or a body
+    along: dict[str, float]  # Cells along what is a line to the fluid: length of a beam, mean chord and span of a wing
     layer_cells: float | None  # Cells in the boundary layer at the front; None in still fluid and for a beam in a wake
 
 
@@ -130,7 +131,7 @@ class Facts:
             )
             for name, mount in found["mounts"]
         }
-        bodies = {name: Body(**body) for name, body in found["bodies"]}
+        bodies = {name: Body(**{**body, "along": dict(body["along"])}) for name, body in found["bodies"]}
         return Dimensionless(**{**found, "bodies": bodies, "mounts": mounts})
 
     @cached_property
@@ -160,6 +161,12 @@ class Facts:
     def stream(self) -> np.ndarray | None:
         """Velocity of the stream, m/s, `[3]`; None in still fluid."""
         return None if self._found["stream"] is None else np.array(self._found["stream"])
+
+    @property
+    def followed(self) -> str | None:
+        """Name of what the fine box follows, or `master`; None for a box that stays, and without one."""
+        found: str | None = self._found["followed"]
+        return found
 
     @cached_property
     def wing(self) -> WingMesh | None:

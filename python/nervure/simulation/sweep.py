@@ -383,9 +383,9 @@ def _without_interrupts() -> Iterator[None]:
 
 
 @contextmanager
-def _main_not_imported() -> Iterator[None]:
-    """Keep the workers of this machine from importing the program that runs the sweep, as spawned processes do: a
-    script without a guard would start the sweep again in each of them."""
+def main_not_imported() -> Iterator[None]:
+    """Keep the workers of this machine from importing the program that starts them, as spawned processes do: a script
+    without a guard would start the sweep again in each of them."""
     main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     try:
         yield
@@ -393,16 +393,25 @@ def _main_not_imported() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
+def local_cluster(workers: int) -> Any:
+    """Start that many workers of one thread on this machine, and a scheduler, which Ctrl-C does not reach."""
+    distributed = require("distributed", "a sweep")
+    # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
+    options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
+    with _without_interrupts():
+        return distributed.LocalCluster(n_workers=workers, threads_per_worker=1, memory_limit=None, **options)
+
+
 def at_once(scheduler: str | None, workers: int | None) -> int:
     """Return how many runs go on at once: the workers of a `scheduler`, or else at most `workers` of this machine."""
     if scheduler is None:
         return workers or (require("dask.system", "a sweep").CPU_COUNT if find_spec("distributed") else 1)
-    with _connected(scheduler) as client:
+    with connected(scheduler) as client:
         return len(client.nthreads())
 
 
 @contextmanager
-def _connected(scheduler: Any) -> Iterator[Any]:
+def connected(scheduler: Any) -> Iterator[Any]:
     """Yield a client of a scheduler, given by its address or as a cluster; raise `InputError` where none answers, or
     where it has no workers of one thread."""
     distributed = require("distributed", "a sweep")
@@ -437,17 +446,13 @@ def _distribute(
     """Run `cases` on workers. `keep` is called with each case and its row, `reached` with the steps of the runs under
     way. There are never more runs than workers, so that a run that kills its worker ends no other run. The workers of
     this machine end with this function."""
-    distributed, killed = require("distributed", "a sweep"), require("distributed.scheduler", "a sweep").KilledWorker
+    killed = require("distributed.scheduler", "a sweep").KilledWorker
     with ExitStack() as stack:
         check = stack.enter_context(_interruption())
         if scheduler is None:
-            # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
-            options = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
-            size = {"n_workers": min(at_once(None, workers), len(cases)), "threads_per_worker": 1, "memory_limit": None}
-            stack.enter_context(_main_not_imported())
-            with _without_interrupts():
-                scheduler = stack.enter_context(distributed.LocalCluster(**size, **options))
-        client = stack.enter_context(_connected(scheduler))
+            stack.enter_context(main_not_imported())
+            scheduler = stack.enter_context(local_cluster(min(at_once(None, workers), len(cases))))
+        client = stack.enter_context(connected(scheduler))
 
         def hear(event: tuple[float, Any]) -> None:
             report = event[1]
