@@ -22,6 +22,6 @@ pub use crate::flyer::{FluidLoad, Flyer, FlyerState, HingeTurn};
 pub use crate::force::{Drag, Force};
 pub use crate::hinge::{RootResponse, force_about, rates_at};
 pub use crate::kinematics::{Freedoms, Kinematics, Spin, Turn, Vector, join, nearest, split};
-pub use crate::mounted::MountedStep;
+pub use crate::mounted::{MountedStep, SpringDynamics};
 pub use crate::pose::Pose;
 pub use crate::step::{Mass, SpringMotion};

@@ -33,28 +33,36 @@ where
     pub predicted: Freedoms,
 }
 
+/// Dynamics of a body on springs; the crate implements them in two and three dimensions.
+pub trait SpringDynamics<const D: usize>: Kinematics<D> {
+    /// See [`MountedStep::solve`].
+    fn solve(step: &MountedStep<D>, drag: &Drag<D>) -> SpringMotion<D>
+    where
+        [f64; D]: Kinematics<D>;
+}
+
 impl<const D: usize> MountedStep<'_, D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     /// Find the motion under `drag`.
     pub fn solve(&self, drag: &Drag<D>) -> SpringMotion<D> {
-        <[f64; D]>::solve_springs(self, drag)
+        <[f64; D]>::solve(self, drag)
     }
 }
 
-impl MountedStep<'_, 2> {
-    pub(crate) fn solve_in_plane(&self, drag: &Drag<2>) -> SpringMotion<2> {
-        let &Self { supports, carried, c, mass, inertia, fluid, weight, predicted } = self;
+impl SpringDynamics<2> for [f64; 2] {
+    fn solve(step: &MountedStep<2>, drag: &Drag<2>) -> SpringMotion<2> {
+        let &MountedStep { supports, carried, c, mass, inertia, fluid, weight, predicted } = step;
         let own = Mass { mass, inertia, arm: Vector2::zeros() };
         let (mass, gyroscopic) = (own.matrix(), own.gyroscopic(&predicted));
         SpringStep { supports, carried, c, mass, gyroscopic, fluid, weight, predicted }.solve(drag)
     }
 }
 
-impl MountedStep<'_, 3> {
-    pub(crate) fn solve_in_space(&self, drag: &Drag<3>) -> SpringMotion<3> {
-        let &Self { supports, carried, c, mass, inertia, ref fluid, ref weight, ref predicted } = self;
+impl SpringDynamics<3> for [f64; 3] {
+    fn solve(step: &MountedStep<3>, drag: &Drag<3>) -> SpringMotion<3> {
+        let &MountedStep { supports, carried, c, mass, inertia, ref fluid, ref weight, ref predicted } = step;
         let still = Vector3::zeros();
         let mut body = Body::new(BodyParameters {
             mass,

@@ -7,61 +7,15 @@
 //! Points p_m of the triangles touch ([`points_of_surface`]), A_m is the area that belongs to one, and U the potential
 //! of a [`Law`] per area. A point moves with the corners of its triangle, so Newton's matrix keeps its pattern.
 
-use ::contact::{ContactError, HELD, Law, Meeting, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
+use ::contact::{ContactError, HELD, Law, Meeting, Obstacles, Push, SurfacePoint, points_of_surface};
 use nalgebra::Matrix3;
-use structure::{check_law, finite};
 
+use crate::WingError;
 use crate::elastic::Elastic;
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
-use crate::itself::{self, Itself, Spot};
-use crate::parameters::Parameters;
-use crate::{Error, WingError};
-
-/// Most parts of an edge between points that touch.
-const MOST_PARTS: f64 = 16.0;
-
-/// What a membrane touches, and how; for obstacles it has no thickness.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// Forces per area.
-    pub law: Law,
-    /// Whether the membrane touches itself.
-    pub with_itself: bool,
-    /// Obstacles.
-    pub obstacles: Vec<Obstacle<3>>,
-}
-
-impl Contact {
-    /// Refuse numbers outside their ranges.
-    pub(crate) fn check(&self, parameters: &Parameters) -> Result<(), Error> {
-        let range = self.law.range;
-        check_law(&self.law)?;
-        self.obstacles.iter().try_for_each(|own| finite("contact.obstacles", own.pose.origin.as_slice()))?;
-        if self.parts(parameters) > MOST_PARTS {
-            return Err(Error::value("contact.range", range, "beside solids at least a 27th of the longest edge"));
-        }
-        if self.with_itself && itself::parts(longest_edge(parameters), range) > MOST_PARTS {
-            return Err(Error::value("contact.range", range, "at least an eighth of the longest edge"));
-        }
-        Ok(())
-    }
-
-    /// Return the parts of an edge between points that touch obstacles: one where there are only planes. Nothing comes
-    /// closer to an equilateral triangle than to all its corners by more than an edge over √3.
-    fn parts(&self, parameters: &Parameters) -> f64 {
-        if self.obstacles.iter().all(Obstacle::is_half_space) {
-            return 1.0;
-        }
-        (longest_edge(parameters) / 3_f64.sqrt() / self.law.range).ceil().max(1.0)
-    }
-}
-
-fn longest_edge(parameters: &Parameters) -> f64 {
-    let mesh = &parameters.mesh;
-    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
-    edges.map(|[a, b]| (mesh.node(*a) - mesh.node(*b)).norm()).fold(0.0, f64::max)
-}
+use crate::itself::{Itself, Spot};
+use crate::parameters::{Contact, Parameters};
 
 /// Contact of a wing during a stage.
 pub(crate) struct Contacts {
@@ -83,7 +37,7 @@ impl Contacts {
     /// Return the contact of a wing at rest.
     pub(crate) fn new(own: &Contact, parameters: &Parameters) -> Self {
         let Parameters { mesh, root, .. } = parameters;
-        let points = points_of_surface(&mesh.nodes, &mesh.triangles, own.parts(parameters) as usize);
+        let points = points_of_surface(&mesh.nodes, &mesh.triangles, own.parts(mesh) as usize);
         let held = |place: Vector| root.nodes.iter().any(|&k| (mesh.node(k) - place).norm() < HELD * own.law.range);
         let of = own.obstacles.iter().map(|obstacle| {
             let touches = |k: &usize| obstacle.nearest(mesh.node(*k)).distance < own.law.range;
@@ -96,9 +50,7 @@ impl Contacts {
             law: own.law,
             obstacles: Obstacles::new(own.obstacles.clone()),
             of: of.collect(),
-            itself: own.with_itself.then(|| {
-                Itself::new(&own.law, parameters, itself::parts(longest_edge(parameters), own.law.range) as usize)
-            }),
+            itself: own.with_itself.then(|| Itself::new(&own.law, mesh, own.parts_for_itself(mesh) as usize)),
             points,
             dt: None,
             forces: vec![Vector::zeros(); mesh.nodes.len()],

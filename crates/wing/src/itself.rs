@@ -13,14 +13,12 @@ use ::contact::{
     Cells, ContactError, Encounter, Law, MOST_PARTNERS, Meeting, SurfacePoint, keep_one_of_each_bend,
     nearest_of_triangle, points_of_surface,
 };
+use mesh::Mesh;
 use nalgebra::Matrix3;
 
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
-use crate::parameters::Parameters;
-
-/// Half the thickness of the membrane for itself, over the range.
-const SKIN: f64 = 0.25;
+use crate::parameters::SKIN;
 
 /// Motion of a node beyond the first guess that the search allows for, over the distance at which layers touch: so small
 /// that it finds nothing in a flat wing, of which points closer than π/2 of that distance are left out.
@@ -75,16 +73,9 @@ pub(crate) struct Itself {
     closer: f64,
 }
 
-/// Return the parts of edges of at most this length (m) between points, so that no edge passes between two points of
-/// another one.
-pub(crate) fn parts(longest: f64, range: f64) -> f64 {
-    (longest / (2.0 * SKIN * range)).ceil().max(1.0)
-}
-
 impl Itself {
     /// Return the contact with itself of a wing whose solids touch by `law`, with so many `parts` of an edge.
-    pub(crate) fn new(law: &Law, parameters: &Parameters, parts: usize) -> Self {
-        let mesh = &parameters.mesh;
+    pub(crate) fn new(law: &Law, mesh: &Mesh, parts: usize) -> Self {
         let points = points_of_surface(&mesh.nodes, &mesh.triangles, parts);
         let rest_corners: Vec<_> = mesh.triangles.iter().map(|corners| corners.map(|k| mesh.node(k))).collect();
         let mut of_node = vec![Vec::new(); mesh.nodes.len()];

@@ -2,8 +2,9 @@
 
 use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
+use crate::energy::{Energy, EnergyBefore};
 use crate::geometry::Vector;
-use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
+use crate::{Error, Memory, RigidMotion, Wing, WingError};
 
 /// Energy that a wing may gain in a sub-step beyond the work of its loads, by the energy that it exchanges. At long
 /// steps Newton's method may find another solution, as of wrinkles, and each one may add energy.
@@ -17,14 +18,6 @@ const ROUNDING: f64 = 1e-13;
 const MASS_ITERATIONS: usize = 200;
 /// Tolerance of the first accelerations.
 const MASS_TOLERANCE: f64 = 1e-13;
-
-/// What a sub-step is compared with where no drive does work.
-#[derive(Clone, Copy)]
-pub(crate) struct EnergyBefore {
-    energy: Energy,
-    /// Exchange of energy below which all is rounding, J.
-    rounding: f64,
-}
 
 impl Structure<3> for Wing {
     type Own = Memory;

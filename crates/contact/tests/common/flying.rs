@@ -5,7 +5,7 @@ use std::array::from_fn;
 use method::Support;
 use nalgebra::SVector;
 use nervure_contact::{BodyContacts, BodyLaw, Obstacle, Part, PartMotion, Pose};
-use rigid::{Carried, Drag, Freedoms, Kinematics, Mass, MountedStep, SpringMotion, join};
+use rigid::{Carried, Drag, Freedoms, Kinematics, Mass, MountedStep, SpringDynamics, SpringMotion, join};
 
 /// A free body: its shape, mass, kg, and moment of inertia, kg m², place, m, and velocities.
 pub struct Free<const D: usize> {
@@ -19,7 +19,7 @@ pub struct Free<const D: usize> {
 /// Bodies on their way.
 pub struct World<const D: usize>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     pub contacts: BodyContacts<D>,
     pub bodies: Vec<(Free<D>, Carried<D>)>,
@@ -35,7 +35,7 @@ const SUPPORT: Option<Support> = Some(Support { stiffness: 0.0, damping: 0.0, re
 
 fn pose<const D: usize>(body: &Free<D>, at: &rigid::Pose<D>) -> Pose<D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     let by = <[f64; D]>::orientation(&Default::default(), at.angle);
     let unit = |d: usize| SVector::from_fn(|e, _| f64::from(u8::from(d == e)));
@@ -44,7 +44,7 @@ where
 
 impl<const D: usize> World<D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     pub fn new(bodies: Vec<Free<D>>, obstacles: Vec<Obstacle<D>>, law: &BodyLaw) -> Self {
         let moving = bodies.iter().map(|body| {
@@ -142,7 +142,7 @@ impl Random {
 /// A step that fails.
 pub fn fly<const D: usize>(case: u64) -> Result<[f64; 3], String>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     let mut random = Random(88_172_645_463_325_252_u64.wrapping_mul(2 * case + D as u64));
     (0..8).for_each(|_| _ = random.next());

@@ -24,6 +24,7 @@
 
 mod coarse;
 mod levels;
+mod nested;
 mod patch;
 mod transfer;
 
