@@ -19,18 +19,23 @@ use crate::parameters::{Contact, Parameters};
 
 /// Contact of a wing during a stage.
 pub(crate) struct Contacts {
-    law: Law,
-    pub(crate) obstacles: Obstacles<3>,
-    itself: Option<Itself>,
-    points: Vec<SurfacePoint>,
-    /// Points that touch each obstacle: all but those beside a root that is held there.
-    of: Vec<Vec<u32>>,
+    pub(crate) detection: Detection,
     /// Length of the stage, s; `None` in an equilibrium.
     dt: Option<f64>,
     /// Forces on the nodes, N: `[nodes]`.
     pub(crate) forces: Vec<Vector>,
     /// Whether the wing might touch anything at the begin of the sub-step.
     pub(crate) is_near: bool,
+}
+
+/// Points of a wing, and what they may touch.
+pub(crate) struct Detection {
+    law: Law,
+    pub(crate) obstacles: Obstacles<3>,
+    itself: Option<Itself>,
+    points: Vec<SurfacePoint>,
+    /// Points that touch each obstacle: all but those beside a root that is held there.
+    of: Vec<Vec<u32>>,
 }
 
 impl Contacts {
@@ -46,16 +51,14 @@ impl Contacts {
             let free = points.iter().enumerate().filter(|(_, point)| !(root_touches && held(place(point))));
             free.map(|(m, _)| m as u32).collect()
         });
-        Self {
+        let detection = Detection {
             law: own.law,
             obstacles: Obstacles::new(own.obstacles.clone()),
             of: of.collect(),
             itself: own.with_itself.then(|| Itself::new(&own.law, mesh, own.parts_for_itself(mesh) as usize)),
             points,
-            dt: None,
-            forces: vec![Vector::zeros(); mesh.nodes.len()],
-            is_near: false,
-        }
+        };
+        Self { detection, dt: None, forces: vec![Vector::zeros(); mesh.nodes.len()], is_near: false }
     }
 
     /// Begin a stage of `dt` (s) between these fractions of the step, from `origin` to the first guess `guess`, m.
@@ -68,14 +71,14 @@ impl Contacts {
         between: [f64; 2],
     ) -> Result<(), WingError> {
         self.dt = Some(dt);
-        self.obstacles.begin(between);
-        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin(faces, origin, guess)?))
+        self.detection.obstacles.begin(between);
+        self.detection.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin(faces, origin, guess)?))
     }
 
     /// Begin an equilibrium from the shape `origin`, m.
     pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
         self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
+        self.detection.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
@@ -83,9 +86,9 @@ impl Contacts {
         let moved = dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         let closer = 2.0 * moved;
         self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
-        let mut near = !self.obstacles.are_still();
-        self.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
+        self.detection.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
+        let mut near = !self.detection.obstacles.are_still();
+        self.detection.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;
         Ok(())
     }
@@ -93,9 +96,75 @@ impl Contacts {
     /// Let all obstacles stand still, without a stage.
     fn stand(&mut self) {
         self.dt = None;
-        self.obstacles.begin_static();
+        self.detection.obstacles.begin_static();
     }
 
+    /// Return the energy of the penalty in the shape `x`, J.
+    pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
+        self.stand();
+        self.detection.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
+        let mut sum = 0.0;
+        self.detection.visit(faces, x, x, 0.0, |law, met| sum += met.size * law.penalty(met.met.gaps[1]).potential);
+        Ok(sum)
+    }
+
+    /// Write the forces on the nodes in the shape `x` of a stage from `origin`, m, to `forces`.
+    pub(crate) fn find_forces(&mut self, elastic: &Elastic, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+        let (Self { detection, dt, forces, .. }, faces) = (self, &elastic.faces);
+        forces.fill(Vector::zeros());
+        let mut result = Ok(());
+        detection.visit(faces, x, origin, 0.0, |law, met| {
+            if -met.met.gaps[1] >= law.depth {
+                let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
+                result = Err(ContactError::Deep { node, depth, allowed: law.depth }.into());
+                return;
+            }
+            for (Push { force, .. }, partner) in met.pushes(law, *dt) {
+                let parts = [(Some(met.spot), force), (partner, -force)];
+                for (Spot { triangle, shares }, force) in parts.into_iter().filter_map(|(on, own)| Some((on?, own))) {
+                    let corners = faces[triangle].nodes.into_iter().zip(shares);
+                    corners.for_each(|(k, share)| forces[k] += force * share);
+                }
+            }
+        });
+        result
+    }
+
+    /// Pass second derivatives of the potential by the place of a point of a triangle, N/m, to `emit`, with the shares of
+    /// its corners; `safe` ones are positive semi-definite.
+    pub(crate) fn hessian(
+        &self,
+        faces: &[Face],
+        x: &[Vector],
+        origin: &[Vector],
+        safe: bool,
+        mut emit: impl FnMut(Spot, Matrix3<f64>),
+    ) {
+        self.detection.visit(faces, x, origin, 0.0, |law, mut met| {
+            if safe {
+                met.met.curvature = Matrix3::zeros();
+            }
+            for (Push { hessian, .. }, partner) in met.pushes(law, self.dt) {
+                let both = if partner.is_some() { 2.0 } else { 1.0 };
+                [Some(met.spot), partner].into_iter().flatten().for_each(|spot| emit(spot, hessian * both));
+            }
+        });
+    }
+
+    /// Refuse a stage from `origin` to `x`, m, in which the wing may have passed through something.
+    pub(crate) fn check(&self, faces: &[Face], x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+        self.detection.itself.as_ref().map_or(Ok(()), |own| own.check(x, origin))?;
+        let mut result = Ok(());
+        self.detection.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
+            if met.passes_through() {
+                result = Err(ContactError::Through { node: faces[spot.triangle].nodes[0] }.into());
+            }
+        });
+        result
+    }
+}
+
+impl Detection {
     /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
     /// than the reach of the contact by `farther` (m) are left out.
     fn visit(
@@ -120,71 +189,6 @@ impl Contacts {
         if let Some(own) = &self.itself {
             own.visit(faces, x, origin, |meeting| visit(&own.law, meeting));
         }
-    }
-
-    /// Return the energy of the penalty in the shape `x`, J.
-    pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
-        self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
-        let mut sum = 0.0;
-        self.visit(faces, x, x, 0.0, |law, met| sum += met.size * law.penalty(met.met.gaps[1]).potential);
-        Ok(sum)
-    }
-
-    /// Write the forces on the nodes in the shape `x` of a stage from `origin`, m, to `forces`.
-    pub(crate) fn find_forces(&mut self, elastic: &Elastic, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
-        let (mut forces, faces) = (std::mem::take(&mut self.forces), &elastic.faces);
-        forces.fill(Vector::zeros());
-        let (dt, mut result) = (self.dt, Ok(()));
-        self.visit(faces, x, origin, 0.0, |law, met| {
-            if -met.met.gaps[1] >= law.depth {
-                let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
-                result = Err(ContactError::Deep { node, depth, allowed: law.depth }.into());
-                return;
-            }
-            for (Push { force, .. }, partner) in met.pushes(law, dt) {
-                let parts = [(Some(met.spot), force), (partner, -force)];
-                for (Spot { triangle, shares }, force) in parts.into_iter().filter_map(|(on, own)| Some((on?, own))) {
-                    let corners = faces[triangle].nodes.into_iter().zip(shares);
-                    corners.for_each(|(k, share)| forces[k] += force * share);
-                }
-            }
-        });
-        self.forces = forces;
-        result
-    }
-
-    /// Pass second derivatives of the potential by the place of a point of a triangle, N/m, to `emit`, with the shares of
-    /// its corners; `safe` ones are positive semi-definite.
-    pub(crate) fn hessian(
-        &self,
-        faces: &[Face],
-        x: &[Vector],
-        origin: &[Vector],
-        safe: bool,
-        mut emit: impl FnMut(Spot, Matrix3<f64>),
-    ) {
-        self.visit(faces, x, origin, 0.0, |law, mut met| {
-            if safe {
-                met.met.curvature = Matrix3::zeros();
-            }
-            for (Push { hessian, .. }, partner) in met.pushes(law, self.dt) {
-                let both = if partner.is_some() { 2.0 } else { 1.0 };
-                [Some(met.spot), partner].into_iter().flatten().for_each(|spot| emit(spot, hessian * both));
-            }
-        });
-    }
-
-    /// Refuse a stage from `origin` to `x`, m, in which the wing may have passed through something.
-    pub(crate) fn check(&self, faces: &[Face], x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
-        self.itself.as_ref().map_or(Ok(()), |own| own.check(x, origin))?;
-        let mut result = Ok(());
-        self.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
-            if met.passes_through() {
-                result = Err(ContactError::Through { node: faces[spot.triangle].nodes[0] }.into());
-            }
-        });
-        result
     }
 }
 

@@ -189,7 +189,7 @@ impl Structure<3> for Wing {
     fn complete(&mut self, base: &RigidMotion) -> Result<Option<Reaction<3>>, Error> {
         self.core.state.own.base = *base;
         self.align();
-        self.newton.contact.iter_mut().for_each(|contact| contact.obstacles.stay());
+        self.newton.contact.iter_mut().for_each(|contact| contact.detection.obstacles.stay());
         if self.parameters.root.nodes.is_empty() {
             return Ok(None);
         }
@@ -333,7 +333,7 @@ impl Wing {
         let held = (base.displacement, base.rotation) == (before.displacement, before.rotation)
             && still(base)
             && still(before);
-        let still = self.newton.contact.as_ref().is_none_or(|contact| contact.obstacles.are_still());
+        let still = self.newton.contact.as_ref().is_none_or(|contact| contact.detection.obstacles.are_still());
         still && (held || self.parameters.root.nodes.is_empty())
     }
 

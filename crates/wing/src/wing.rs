@@ -199,7 +199,8 @@ impl Wing {
 
     /// Prescribe the places of obstacle `i` at the begin and the end of the next step; it then stays.
     pub fn move_obstacle(&mut self, i: usize, places: [Pose<3>; 2]) {
-        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.obstacles.motion_mut(i)) {
+        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.detection.obstacles.motion_mut(i))
+        {
             *place = places;
         }
     }
