@@ -82,11 +82,17 @@ impl Contacts {
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
-    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
+    pub(crate) fn detect_nearby(
+        &mut self,
+        faces: &[Face],
+        x: &[Vector],
+        velocity: &[Vector],
+        dt: f64,
+    ) -> Result<(), WingError> {
         let moved = dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         let closer = 2.0 * moved;
         self.stand();
-        self.detection.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
+        self.detection.itself.as_mut().map_or(Ok(()), |own| own.search_ahead(faces, x, moved))?;
         let mut near = !self.detection.obstacles.are_still();
         self.detection.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;

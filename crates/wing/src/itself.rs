@@ -141,7 +141,7 @@ impl Itself {
     }
 
     /// Begin a stage in which nodes move by this distance, m: find what [`Itself::begin`] then needs in most cases.
-    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], moved: f64) -> Result<(), ContactError> {
+    pub(crate) fn search_ahead(&mut self, faces: &[Face], x: &[Vector], moved: f64) -> Result<(), ContactError> {
         self.search(faces, x, 2.0 * (moved + MARGIN * self.touching))
     }
 

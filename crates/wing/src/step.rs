@@ -119,7 +119,7 @@ impl Structure<3> for Wing {
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, elastic, newton, .. } = self;
         let Some(contact) = &mut newton.contact else { return Ok(None) };
-        contact.look(&elastic.faces, &core.state.positions, &core.state.velocities, dt)?;
+        contact.detect_nearby(&elastic.faces, &core.state.positions, &core.state.velocities, dt)?;
         Ok(core.rule_in_contact(dt).filter(|_| contact.is_near))
     }
 
@@ -176,9 +176,9 @@ impl Structure<3> for Wing {
         }
         let elastic = |energy: &Energy| energy.stretching + energy.bending + energy.veins;
         let [elastic, gravity] = [elastic(&now) - elastic(&before), now.gravity - before.gravity];
-        let [work, worked] = self.work_of_loads();
+        let [work, work_magnitude] = self.work_of_loads();
         let gain = now.kinetic - before.kinetic + elastic + gravity - work;
-        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs() + worked;
+        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs() + work_magnitude;
         if exchanged > rounding && gain > MOST_GAIN * exchanged {
             return Err(WingError::Gain { gain, exchanged }.into());
         }

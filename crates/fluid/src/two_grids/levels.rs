@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use line_fft::{Real, Team};
+use line_fft::{Real, ThreadTeam};
 
 use super::transfer::Transfer;
 use crate::error::Error;
@@ -36,7 +36,7 @@ where
     fn force_mut(&mut self) -> Option<&mut [Field<R>; D]>;
 
     /// Prepare [`Self::g`] at the present time.
-    fn find_g(&mut self, _: &Team) {}
+    fn find_g(&mut self, _: &ThreadTeam) {}
 
     /// Return a component of G of the whole flow at a point, m/s².
     fn g(&self, flow: &Flow<R, D>, axis: usize, point: usize) -> f64;

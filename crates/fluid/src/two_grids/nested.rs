@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::ptr;
 
-use line_fft::{Real, Team};
+use line_fft::{Real, ThreadTeam};
 
 use super::TwoGrids;
 use super::levels::{Below, CoarseScheme};
@@ -58,8 +58,8 @@ where
     }
 
     /// Write −I G_c to the given acceleration of the fine flow.
-    fn find_g(&mut self, team: &Team) {
-        self.coarse.look(0.0);
+    fn find_g(&mut self, team: &ThreadTeam) {
+        self.coarse.interpolate_at(0.0);
         self.write_source(team, false);
     }
 
