@@ -19,7 +19,7 @@ struct ContactUnit {
     /// Sum of the rods' stations and the wings' nodes.
     stations: usize,
     /// Number of fast meetings of which it has warned.
-    told: usize,
+    warned_meetings: usize,
 }
 
 /// Contact in the plane or in space.
@@ -72,7 +72,7 @@ impl Model for ContactUnit {
         let nodes = scene.wings().map(|own| own.wing.mesh.build().nodes.len());
         let stations = scene.beams().map(|beam| beam.segments + 1).chain(nodes).sum();
         require_memory(BYTES_PER_STATION * stations)?;
-        Ok(Self { coupling: of_scene(&scene)?, scene, stations, told: 0 })
+        Ok(Self { coupling: of_scene(&scene)?, scene, stations, warned_meetings: 0 })
     }
 
     fn description(&self) -> Description {
@@ -97,8 +97,8 @@ impl Model for ContactUnit {
         let span = |e| format!("{e}, in the step from t = {t} s to {} s", t + h);
         either!(&mut self.coupling, own => own.advance(h)).map_err(span)?;
         let fast = either!(&self.coupling, own => own.fast());
-        fast.iter().skip(self.told).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
-        self.told = fast.len();
+        fast.iter().skip(self.warned_meetings).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
+        self.warned_meetings = fast.len();
         Ok(())
     }
 

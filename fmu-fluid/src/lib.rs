@@ -19,7 +19,7 @@ struct FluidUnit {
     /// Whether it has warned of loads that do not hold.
     has_warned: bool,
     /// Number of fast meetings of which it has warned.
-    told: usize,
+    warned_meetings: usize,
 }
 
 impl FluidUnit {
@@ -51,7 +51,7 @@ impl Model for FluidUnit {
         let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, flow, has_warned: false, told: 0 })
+        Ok(Self { parameters, scene, flow, has_warned: false, warned_meetings: 0 })
     }
 
     fn build(&mut self) -> Result<(), String> {
@@ -92,8 +92,8 @@ impl Model for FluidUnit {
         }
         either!(&mut self.flow, flow => flow.advance(t, h)).map_err(|e| e.to_string())?;
         let fast = either!(&self.flow, flow => flow.solver().fast_meetings());
-        fast.iter().skip(self.told).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
-        self.told = fast.len();
+        fast.iter().skip(self.warned_meetings).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));
+        self.warned_meetings = fast.len();
         Ok(())
     }
 

@@ -118,8 +118,8 @@ fn describe(library: &Path, options: &Options) -> Result<String, String> {
                 continue;
             }
             buffer.truncate(needed.saturating_sub(1)); // without the final NUL
-            let said = String::from_utf8_lossy(&buffer).into_owned();
-            return if refused { Err(said) } else { Ok(said) };
+            let answer = String::from_utf8_lossy(&buffer).into_owned();
+            return if refused { Err(answer) } else { Ok(answer) };
         }
     }
 }

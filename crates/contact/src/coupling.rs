@@ -127,7 +127,7 @@ where
         let unpaid = 1.0 - h / *step;
         owed.iter_mut().flat_map(|own| &mut own.force).flatten().for_each(|impulse| *impulse *= unpaid);
         if let Some(contact) = contact {
-            contact.settle(h, [stations, target], |_, _, change| change, |_| [0.0; 6], (owed, &mut []));
+            contact.add_owed_impulses(h, [stations, target], |_, _, change| change, |_| [0.0; 6], (owed, &mut []));
         }
         *step = h;
         Stations::copy_all(stations, target);

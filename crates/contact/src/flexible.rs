@@ -426,7 +426,7 @@ where
     /// owed to them in proportion to their masses, of which the change of the other one tells: what one side gets, the
     /// other one gives, and the pair moves as a whole, without energy of its own. Along the surface each side gets back its
     /// own part, which is no force of the contact.
-    pub fn settle(
+    pub fn add_owed_impulses(
         &self,
         h: f64,
         ends: [&[Stations<D>]; 2],
@@ -469,8 +469,8 @@ where
         }
     }
 
-    /// Add impulses that the bodies are owed (N s), in the order of [`Self::settle`], to their loads of a coming step of
-    /// `dt` seconds.
+    /// Add impulses that the bodies are owed (N s), in the order of [`Self::add_owed_impulses`], to their loads of a
+    /// coming step of `dt` seconds.
     pub fn pay(&mut self, dt: f64, owed: &[Loads<D>], of_bodies: &[Freedoms]) {
         for (load, owed) in self.loads.iter_mut().zip(owed) {
             let both = load.force.iter_mut().flatten().zip(owed.force.iter().flatten());

@@ -5,16 +5,15 @@ mod flying;
 
 use std::f64::consts::PI;
 
-use nervure_contact::{BodyFilm, BodyLaw, Kinematics, Obstacle};
-
-use rigid::Freedoms;
+use nervure_contact::{BodyFilm, BodyLaw, Obstacle};
+use rigid::{Freedoms, SpringDynamics};
 
 use flying::{Free, LAW, World, ball, floor, fly};
 
 /// Return the speed after a fall of a ball of 2 kg at 1 m/s on a floor.
 fn rebound<const D: usize>(law: &BodyLaw) -> f64
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     let mut place = [0.0; D];
     // So thick that what keeps it from half its thickness adds nothing.

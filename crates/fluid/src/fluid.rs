@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use contact::{BodyLaw, FlexibleBody, FlexibleContact, Loads, MountedBody, Stations};
-use line_fft::Team;
+use line_fft::ThreadTeam;
 
-use crate::bodies::{Bodies, Carried, Placement, Pose, Rigid, place};
+use crate::bodies::{Bodies, DisplacementHistory, Placement, Pose, Rigid, place};
 use crate::error::Error;
 use crate::field::is_available;
 use crate::force::Exchange;
@@ -23,7 +23,7 @@ use crate::step::Substep;
 use crate::thin::pay;
 use crate::timer::Phase;
 
-/// Memory that does not depend on the precision, bytes for each cell: the drag rate of solids, rounded up.
+/// Memory that does not depend on the precision, bytes for each cell: the penalization rate of solids, rounded up.
 const BYTES_PER_CELL: usize = 44;
 
 /// Memory of each beam with a mask for each cell, bytes: the number of a candidate.
@@ -138,14 +138,14 @@ where
 /// Return a function that returns place and motion of the rigid body with a number, if nothing but its state tells them.
 fn poses<'a, const D: usize>(
     bodies: &'a Bodies<D>,
-    carried: &'a [Carried<D>],
+    histories: &'a [DisplacementHistory<D>],
 ) -> impl Fn(usize) -> Option<(contact::Pose<D>, Pose<D>)> + 'a
 where
     [f64; D]: Solvable<D>,
 {
     move |number| {
-        let ((_, rigid), carried) = bodies.carried().zip(carried).find(|((k, _), _)| *k == number)?;
-        let pose = rigid.pose_of(&carried.now);
+        let ((_, rigid), history) = bodies.carried().zip(histories).find(|((k, _), _)| *k == number)?;
+        let pose = rigid.pose_of(&history.now);
         Some((place(rigid.body(), &pose), pose))
     }
 }
@@ -163,9 +163,9 @@ where
         let mut problem = Problem::new(&parameters.around_bodies());
         let stations: Vec<_> = parameters.flexible.iter().map(|body| Stations::at_rest(&body.nodes)).collect();
         problem.place(&Placement { time: 0.0, displacements: &[], stations: &stations, before: &stations });
-        let at_start = |rigid: &Rigid<D>| Carried::at(rigid.before_release(0.0).unwrap_or_default());
-        let carried: Vec<_> = problem.bodies.carried().map(|(_, rigid)| at_start(rigid)).collect();
-        let displaced = vec![Pose::default(); carried.len()];
+        let at_start = |rigid: &Rigid<D>| DisplacementHistory::at(rigid.before_release(0.0).unwrap_or_default());
+        let histories: Vec<_> = problem.bodies.carried().map(|(_, rigid)| at_start(rigid)).collect();
+        let displaced = vec![Pose::default(); histories.len()];
         let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
         // Components of the shear stress of a body.
         let components = |extent: &Extent| match extent {
@@ -188,7 +188,7 @@ where
             step: 0.0,
             advection_rate: velocity.map(|(u, spacing)| u.abs() / spacing).sum(),
             bodies: problem.without_force(&stations),
-            carried,
+            histories,
             flexible: Interfaces {
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
@@ -264,9 +264,9 @@ where
 
     /// Start at another time than 0 (s): the bodies are in their places at that time.
     pub fn start_at(&mut self, time: f64) {
-        for ((_, rigid), carried) in self.problem.bodies.carried().zip(&mut self.present.carried) {
+        for ((_, rigid), history) in self.problem.bodies.carried().zip(&mut self.present.histories) {
             if let Some(displacement) = rigid.before_release(time) {
-                *carried = Carried::at(displacement);
+                *history = DisplacementHistory::at(displacement);
             }
         }
         self.begin_at(time);
@@ -290,9 +290,9 @@ where
             return Ok(());
         }
         self.limits.check_displacements(bodies.carried().map(|(_, rigid)| rigid), to, &self.grid_of_bodies())?;
-        for (((_, rigid), carried), to) in bodies.carried().zip(&mut self.present.carried).zip(to) {
+        for (((_, rigid), history), to) in bodies.carried().zip(&mut self.present.histories).zip(to) {
             if rigid.announces() {
-                *carried = Carried::at(*to);
+                *history = DisplacementHistory::at(*to);
             }
         }
         self.place_at_present();
@@ -308,9 +308,9 @@ where
     fn find_announced_contact(&mut self) {
         let (dt, announces) = (self.coming_step(), self.announces());
         let Some(contact) = &mut self.flexible_contact else { return };
-        let Present { flexible, carried, step, .. } = &self.present;
+        let Present { flexible, histories, step, .. } = &self.present;
         if *step > 0.0 && announces {
-            contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
+            contact.find(&flexible.stations, poses(&self.problem.bodies, histories), dt);
             contact.pay(flexible.contact.step, &flexible.contact.flexible, &flexible.contact.bodies);
         } else {
             contact.clear();
@@ -351,16 +351,16 @@ where
             self.problem.place_thin(between);
             if count > 1.0 {
                 let Problem { bodies, grid, .. } = &mut self.problem;
-                bodies.beams.iter_mut().for_each(|beam| beam.look_again(between, stations, grid));
+                bodies.beams.iter_mut().for_each(|beam| beam.find_cells_ahead_again(between, stations, grid));
             }
         }
         self.solver.predict_loads(dt, &mut self.present, &mut self.problem);
-        let Present { flexible, carried, .. } = &mut self.present;
+        let Present { flexible, histories, .. } = &mut self.present;
         for ((owed, stations), loads) in flexible.owed.iter().zip(&flexible.stations).zip(&mut flexible.loads) {
             pay(&owed.map(|impulse| impulse / dt), stations, loads);
         }
         if let Some(contact) = &mut self.flexible_contact {
-            contact.find(&flexible.stations, poses(&self.problem.bodies, carried), dt);
+            contact.find(&flexible.stations, poses(&self.problem.bodies, histories), dt);
             contact.pay(flexible.contact.step, &flexible.contact.flexible, &flexible.contact.bodies);
             contact.add(&mut flexible.loads);
             self.problem.bodies.push(contact.pushes());
@@ -387,7 +387,7 @@ where
                     && self.problem.grid.cells == other.problem.grid.cells
                     && self.cells == other.cells,
             ),
-            ("the list of bodies", own.carried.len() == known.carried.len()),
+            ("the list of bodies", own.histories.len() == known.histories.len()),
             ("the list of stations", own.flexible.have_shape_of(&known.flexible)),
         ] {
             if !fits {
@@ -395,7 +395,7 @@ where
             }
         }
         self.present.flexible.copy_from(&known.flexible);
-        self.present.carried.copy_from_slice(&known.carried);
+        self.present.histories.copy_from_slice(&known.histories);
         if let Some(contact) = &mut self.flexible_contact {
             contact.copy_from(other.flexible_contact.as_ref());
             self.problem.bodies.push(contact.pushes());
@@ -442,8 +442,8 @@ where
         self.motion
             .displaced_from
             .iter_mut()
-            .zip(&self.present.carried)
-            .for_each(|(from, carried)| *from = carried.now);
+            .zip(&self.present.histories)
+            .for_each(|(from, history)| *from = history.now);
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         // A rod in the plane may take the pressure jump instead.
@@ -454,7 +454,7 @@ where
             self.save_for_undo()?;
         }
         let threads = self.solver.threads();
-        if let Err(error) = Team::with(threads, |team| self.make_steps(team, substeps, t, h)) {
+        if let Err(error) = ThreadTeam::with(threads, |team| self.make_steps(team, substeps, t, h)) {
             if let Some(undo) = self.undo.as_ref().filter(|_| several) {
                 self.solver.restore(&undo.fields)?;
                 self.present.copy_from(&undo.present);
@@ -466,7 +466,7 @@ where
             return Err(error);
         }
         self.pressures.invalidate();
-        self.settle(h);
+        self.update_owed_impulses(h);
         if let Some(contact) = &self.flexible_contact {
             let Motion { from, target, .. } = &self.motion;
             let ends = from.iter().zip(target);
@@ -490,7 +490,7 @@ where
 
     /// Take off what surfaces took of the loads in a step of `h` seconds, but for the part of contact, and note by how much
     /// the impulses that both sides of a contact took differ.
-    fn settle(&mut self, h: f64) {
+    fn update_owed_impulses(&mut self, h: f64) {
         let Self { present, flexible_contact, problem: Problem { thin, bodies, .. }, motion, .. } = self;
         let Interfaces { owed, loads, contact: ContactOwed { step, flexible, bodies: on_bodies }, .. } =
             &mut present.flexible;
@@ -499,7 +499,7 @@ where
             contact.take_off(loads);
         }
         if !owed.is_empty() {
-            thin.settle(h, ends, loads, owed);
+            thin.subtract_taken(h, ends, loads, owed);
         }
         let Some(contact) = flexible_contact else { return };
         // A step of another length pays another part.
@@ -511,11 +511,11 @@ where
             let of = |all: &[Loads<D>]| all[number].impedance[node];
             thin.taken(h, number, node, [of(loads), of(contact.loads())], change)
         };
-        contact.settle(h, ends, taken, |number| bodies.rigid[number].push.change, (flexible, on_bodies));
+        contact.add_owed_impulses(h, ends, taken, |number| bodies.rigid[number].push.change, (flexible, on_bodies));
     }
 
     /// Make the steps of a communication step, at first `substeps`.
-    fn make_steps(&mut self, team: &Team, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
+    fn make_steps(&mut self, team: &ThreadTeam, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
         // Shares of `h` that are done, and that were done when the rest was divided into `substeps`.
         let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
         let mut dt = h / substeps;
@@ -533,14 +533,14 @@ where
             self.problem.bodies.release(end_time, dt);
             let Motion { from, between, target, displaced_from, displaced, displaced_at_end, displaced_to } =
                 &mut self.motion;
-            let (carried, ends) = (&self.present.carried, displaced_from.iter().zip(&*displaced_to));
+            let (histories, ends) = (&self.present.histories, displaced_from.iter().zip(&*displaced_to));
             let places = displaced.iter_mut().zip(&mut *displaced_at_end);
-            for (((_, rigid), (placed, end)), (carried, (a, b))) in
-                self.problem.bodies.carried().zip(places).zip(carried.iter().zip(ends))
+            for (((_, rigid), (placed, end)), (history, (a, b))) in
+                self.problem.bodies.carried().zip(places).zip(histories.iter().zip(ends))
             {
                 *end = if is_last { *b } else { Pose::interpolated(a, b, done, h) };
                 *placed = match rigid.before_release(end_time) {
-                    _ if rigid.is_predicted() => carried.predicted(dt, self.present.step),
+                    _ if rigid.is_predicted() => history.predicted(dt, self.present.step),
                     Some(by_law) => by_law,
                     None => *end,
                 };
@@ -565,7 +565,7 @@ where
     /// Put the bodies to their present places.
     fn place_at_present(&mut self) {
         let (stations, displaced) = (&self.present.flexible.stations, &mut self.motion.displaced);
-        displaced.iter_mut().zip(&self.present.carried).for_each(|(now, carried)| *now = carried.now);
+        displaced.iter_mut().zip(&self.present.histories).for_each(|(now, history)| *now = history.now);
         self.problem.place(&Placement {
             time: self.present.time,
             displacements: displaced,
@@ -610,7 +610,7 @@ where
         self.solver.restore(&state.fields)?;
         self.present.copy_from(&state.present);
         Stations::copy_all(&mut self.motion.target, &self.present.flexible.stations);
-        self.motion.displaced_to.iter_mut().zip(&self.present.carried).for_each(|(to, carried)| *to = carried.now);
+        self.motion.displaced_to.iter_mut().zip(&self.present.histories).for_each(|(to, history)| *to = history.now);
         self.pressures.invalidate();
         self.place_at_present();
         self.find_announced_contact();

@@ -6,7 +6,8 @@
 //! ∂u/∂t + omega × u = −∇Pi + nu ∇²u − Σ_b a_b (u − u_b),   ∇·u = 0,
 //! ```
 //!
-//! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
+//! are solved by a Fourier pseudo-spectral method; `a_b` is the penalization rate of body b, 1/s: chi/C_eta for
+//! a mask.
 //!
 //! A [`Fluid`] is made from [`Parameters`], in the plane (`D` = 2, the default) or in space (`D` = 3). Each communication
 //! step sets the [`Stations`] of the flexible bodies, advances the fluid, and reads forces, [`Loads`] and fields. Inside,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bodies::Carried;
+use crate::bodies::DisplacementHistory;
 use crate::force::{BodyForce, Exchange};
 use crate::grid::Grid;
 use crate::space::{Freedoms, Space};
@@ -23,7 +23,7 @@ where
     /// Forces on the rigid bodies, then on the flexible ones.
     pub bodies: Vec<BodyForce<D>>,
     /// Displacements of the bodies that laws do not move.
-    pub carried: Vec<Carried<D>>,
+    pub histories: Vec<DisplacementHistory<D>>,
     /// The flexible bodies.
     pub flexible: Interfaces<D>,
 }
@@ -70,7 +70,7 @@ where
         let (stations, loads, exchange, owed, jump, shear) = (vec![], vec![], vec![], vec![], vec![], vec![]);
         let flexible = Interfaces { stations, loads, exchange, owed, contact, jump, shear };
         let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
-        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], carried: vec![], flexible }
+        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], histories: vec![], flexible }
     }
 
     /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
@@ -82,7 +82,7 @@ where
     pub fn copy_from(&mut self, other: &Self) {
         (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
         self.bodies.copy_from_slice(&other.bodies);
-        self.carried.copy_from_slice(&other.carried);
+        self.histories.copy_from_slice(&other.histories);
         self.flexible.copy_from(&other.flexible);
     }
 
@@ -91,8 +91,11 @@ where
         let numbers = [self.time, self.step, self.advection_rate, self.flexible.contact.step];
         let parts = [
             ("the time or a step", numbers.iter().all(|number| number.is_finite())),
-            ("the list of bodies", self.bodies.len() == own.bodies.len() && self.carried.len() == own.carried.len()),
-            ("the place of a body", self.carried.iter().all(Carried::is_finite)),
+            (
+                "the list of bodies",
+                self.bodies.len() == own.bodies.len() && self.histories.len() == own.histories.len(),
+            ),
+            ("the place of a body", self.histories.iter().all(DisplacementHistory::is_finite)),
             ("the list of stations", self.flexible.have_shape_of(&own.flexible)),
         ];
         parts.into_iter().find(|(_, fits)| !fits).map(|(part, _)| part)

@@ -8,10 +8,11 @@ use std::fmt::Debug;
 
 use line_fft::{Arithmetic, Real};
 use nalgebra::{Vector2, Vector3};
+use rigid::SpringDynamics;
 pub use rigid::{Freedoms, Kinematics, Spin, Turn, Vector, join, split};
 
 /// A number of dimensions; the crate implements it for two and three, of the coordinates of a point.
-pub trait Space<const D: usize>: Kinematics<D> {
+pub trait Space<const D: usize>: SpringDynamics<D> {
     /// Number of components of the vorticity.
     const VORTICITY: usize;
     /// Grid points around a point with their weights in a linear interpolation.

@@ -13,7 +13,7 @@ use crate::wall::DragProfile;
 pub struct DrivingZone {
     /// Mean velocity, m/s.
     pub mean_velocity: Law,
-    /// Columns with a drag rate that has an effect, and the rate, 1/s.
+    /// Columns with a penalization rate that has an effect, and the rate, 1/s.
     pub columns: Vec<(usize, f64)>,
     /// Velocity over its mean, by row.
     pub shape: Vec<f64>,

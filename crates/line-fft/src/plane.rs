@@ -13,7 +13,7 @@ use crate::lines::Lines;
 use crate::pack::Pack;
 use crate::real_lines::{Block, RealLines};
 use crate::simd::Real;
-use crate::team::Team;
+use crate::team::ThreadTeam;
 
 /// Plan for the transforms of one grid. Threads can share it; each needs a [`Scratch`] and a [`Block`].
 pub struct Fft2<R: Real> {
@@ -58,7 +58,7 @@ impl<R: Real> Fft2<R> {
 
     /// Write the unnormalised spectrum of a field.
     pub fn forward(&self, field: &[R], spectrum: &mut [Pack<R>], scratch: &mut Scratch<R>, block: &mut Block<R>) {
-        self.y.forward(&Team::alone(), [field], [&mut *spectrum], from_mut(block));
+        self.y.forward(&ThreadTeam::alone(), [field], [&mut *spectrum], from_mut(block));
         self.along_x::<false>(spectrum, scratch);
     }
 

@@ -13,7 +13,7 @@ use rustfft::num_complex::Complex;
 use crate::lines::Lines;
 use crate::pack::{Complexes, Pack};
 use crate::simd::{Arithmetic, Kernel, Real, run};
-use crate::team::{Team, nothing};
+use crate::team::{ThreadTeam, nothing};
 
 /// Lines that are transformed together.
 pub const fn block<R: Real>() -> usize {
@@ -84,7 +84,7 @@ impl<R: Real> RealLines<R> {
     /// Write the unnormalised spectra of several fields; `blocks` has one for each thread of the team.
     pub fn forward<const N: usize>(
         &self,
-        team: &Team,
+        team: &ThreadTeam,
         fields: [&[R]; N],
         mut spectra: [&mut [Pack<R>]; N],
         blocks: &mut [Block<R>],

@@ -1,6 +1,6 @@
 //! A team of threads that shares the parts of a phase.
 //!
-//! A team lives as long as the call of [`Team::with`]: no thread is left when a library is unloaded or the process
+//! A team lives as long as the call of [`ThreadTeam::with`]: no thread is left when a library is unloaded or the process
 //! forks. Threads take parts as they come. No thread waits for one that has not taken a part: a thread that starts or
 //! wakes late does not delay the others.
 
@@ -20,7 +20,7 @@ const SPIN_TIME: Duration = Duration::from_micros(50);
 const PARTS_PER_THREAD: usize = 4;
 
 /// The calling thread and its helpers.
-pub struct Team {
+pub struct ThreadTeam {
     threads: usize,
     call: Mutex<Call>,
     /// Number of calls so far, changed while `call` is locked.
@@ -39,7 +39,7 @@ struct Call {
     has_panicked: bool,
 }
 
-impl Team {
+impl ThreadTeam {
     /// Run `work` with a team of `threads` threads, all in the floating-point modes of the calling one. The team is
     /// smaller if the system gives fewer threads. A team of one allocates nothing.
     pub fn with<T>(threads: usize, work: impl FnOnce(&Self) -> T) -> T {
@@ -163,7 +163,7 @@ impl Team {
 }
 
 /// Ends a call, also by a panic.
-struct Return<'a>(&'a Team);
+struct Return<'a>(&'a ThreadTeam);
 
 impl Drop for Return<'_> {
     fn drop(&mut self) {
@@ -177,7 +177,7 @@ impl Drop for Return<'_> {
 
 /// Ends a team, also by a panic. A scope alone would not wait until the threads of the system have ended.
 struct End<'scope, 'a> {
-    team: &'a Team,
+    team: &'a ThreadTeam,
     helpers: Vec<ScopedJoinHandle<'scope, ()>>,
 }
 
@@ -191,7 +191,7 @@ impl Drop for End<'_, '_> {
     }
 }
 
-/// A `first` of [`Team::share`] that does nothing.
+/// A `first` of [`ThreadTeam::share`] that does nothing.
 pub fn nothing() {}
 
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -218,7 +218,7 @@ mod tests {
     const HELPER: &str = "on a helper";
 
     /// Give each thread of a team one part at the same time.
-    fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
+    fn all_at_once(team: &ThreadTeam, threads: usize, work: impl Fn() + Sync) {
         let barrier = Barrier::new(threads);
         team.share(nothing, 0..threads, |_| {
             barrier.wait();
@@ -231,7 +231,9 @@ mod tests {
         let seen = Mutex::new(Vec::new());
         let _fast = Fast::enter();
         let own = Modes::of_thread();
-        Team::with(4, |team| all_at_once(team, 4, || lock(&seen).push((thread::current().id(), Modes::of_thread()))));
+        ThreadTeam::with(4, |team| {
+            all_at_once(team, 4, || lock(&seen).push((thread::current().id(), Modes::of_thread())))
+        });
         let mut seen = seen.into_inner().expect("no thread panics");
         seen.dedup_by_key(|(thread, _)| *thread);
         assert_eq!(seen.len(), 4);
@@ -243,7 +245,7 @@ mod tests {
         for threads in [1, 2, 5] {
             let mut parts = [0; 37];
             let (mut own, mut firsts) = (vec![0; threads], 0);
-            Team::with(threads, |team| {
+            ThreadTeam::with(threads, |team| {
                 for call in 0..200 {
                     if call % 20 == 0 {
                         thread::sleep(4 * SPIN_TIME);
@@ -263,7 +265,7 @@ mod tests {
     fn panicked(who: &'static str) -> (String, usize) {
         let (caller, ended) = (thread::current().id(), AtomicUsize::new(0));
         let result = catch_unwind(AssertUnwindSafe(|| {
-            Team::with(3, |team| {
+            ThreadTeam::with(3, |team| {
                 all_at_once(team, 3, || {
                     let is_caller = thread::current().id() == caller;
                     if is_caller == (who == CALLER) {

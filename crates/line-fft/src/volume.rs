@@ -15,7 +15,7 @@ use crate::lines::Lines;
 use crate::pack::Pack;
 use crate::real_lines::{Block, RealLines};
 use crate::simd::Real;
-use crate::team::{Team, nothing};
+use crate::team::{ThreadTeam, nothing};
 
 /// Lines along x that are collected together: four packs in a row are as fast to read as more, and the lines of six
 /// spectra stay in the second cache.
@@ -117,7 +117,7 @@ impl<R: Real> Fft3<R> {
     /// Transform fields along z and y; [`Self::along_x`] completes their spectra.
     pub fn forward<const M: usize, const N: usize>(
         &self,
-        team: &Team,
+        team: &ThreadTeam,
         fields: [&[R]; M],
         spectra: &mut [Vec<Pack<R>>; N],
         scratch: &mut [VolumeScratch<R, N>],
@@ -126,7 +126,7 @@ impl<R: Real> Fft3<R> {
         for (field, spectrum) in fields.into_iter().zip(spectra) {
             let planes = field.chunks_exact(ny * nz).zip(spectrum.chunks_exact_mut(length));
             team.share_with(scratch, nothing, planes, |(points, modes), VolumeScratch { plane, block, line, .. }| {
-                self.z.forward(&Team::alone(), [points], [&mut *plane], std::slice::from_mut(block));
+                self.z.forward(&ThreadTeam::alone(), [points], [&mut *plane], std::slice::from_mut(block));
                 for (from, to) in plane.chunks_exact(ny).zip(modes.chunks_exact_mut(ny)) {
                     self.y.forward::<false>(from, to, line);
                 }
@@ -138,7 +138,7 @@ impl<R: Real> Fft3<R> {
     /// wavenumber along y that the filter leaves, and transform the `outputs` back along x.
     pub fn along_x<const N: usize>(
         &self,
-        team: &Team,
+        team: &ThreadTeam,
         spectra: &mut [Vec<Pack<R>>; N],
         [inputs, outputs]: [Range<usize>; 2],
         scratch: &mut [VolumeScratch<R, N>],
@@ -182,7 +182,7 @@ impl<R: Real> Fft3<R> {
     /// each plane.
     pub fn inverse<const M: usize, const N: usize>(
         &self,
-        team: &Team,
+        team: &ThreadTeam,
         spectra: [&[Pack<R>]; M],
         fields: [&mut [R]; M],
         scratch: &mut [VolumeScratch<R, N>],

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nervure_line_fft::{Complex, Fft2, Fft3, Lines, Pack, Real, Team};
+use nervure_line_fft::{Complex, Fft2, Fft3, Lines, Pack, Real, ThreadTeam};
 
 fn noise<R: Real>(n: usize) -> Vec<Pack<R>> {
     let number = |c: usize| R::rounded((c as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
@@ -106,7 +106,7 @@ fn a_wave_in_space_comes_back<R: Real>(rounding: f64, threads: usize) {
         let mut spectra = [fft.spectrum()];
         let mut scratch: Vec<_> = (0..threads).map(|_| fft.scratch::<1>()).collect();
         let mut back = vec![R::zero(); field.len()];
-        Team::with(threads, |team| {
+        ThreadTeam::with(threads, |team| {
             fft.forward(team, [&field], &mut spectra, &mut scratch);
             fft.along_x(team, &mut spectra, [0..1, 0..1], &mut scratch, |row, j, [line]| {
                 for (i, l) in (0..nx).flat_map(|i| (0..R::LANES).map(move |l| (i, l))) {

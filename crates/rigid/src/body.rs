@@ -27,8 +27,8 @@ use method::Support;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::carried::Carried;
 use crate::force::Drag;
+use crate::history::DisplacementHistory;
 use crate::kinematics::{Freedoms, Kinematics, join};
 use crate::pose::Pose;
 use crate::step::{Mass, SpringStep};
@@ -199,14 +199,14 @@ impl Body {
 
     /// Return the turn from rest with which the fluid predicts its load of a step of `h` seconds.
     pub fn predicted(&self, h: f64) -> Rotation3<f64> {
-        Rotation3::new(self.carried().predicted(h, self.state.last_step).angle)
+        Rotation3::new(self.history().predicted(h, self.state.last_step).angle)
     }
 
     /// Return the displacement from rest.
-    fn carried(&self) -> Carried<3> {
+    fn history(&self) -> DisplacementHistory<3> {
         let BodyState { now, before, acceleration, .. } = &self.state;
         let [now, before] = [now, before].map(|at| at.displacement(&self.parameters.position));
-        Carried { now, before, acceleration: *acceleration }
+        DisplacementHistory { now, before, acceleration: *acceleration }
     }
 
     /// Advance by `h` seconds under `load`, a force with its moment about the pivot that falls with the velocities from
@@ -215,7 +215,7 @@ impl Body {
     pub fn step(&mut self, h: f64, load: &Drag<3>, fluid: &Mass<3>, lift: &Freedoms) -> FreeStep {
         let (from, c) = (self.state, self.differences(h));
         let reference = self.reference_by(&c, h);
-        FreeStep { from, reference, c, h, matrix: self.step_by(&c, h, &self.carried(), load, fluid, lift) }
+        FreeStep { from, reference, c, h, matrix: self.step_by(&c, h, &self.history(), load, fluid, lift) }
     }
 
     /// Change the velocities at the end of the step that has just been made.
@@ -227,13 +227,13 @@ impl Body {
         self.state = BodyState { now, acceleration, ..done };
     }
 
-    /// Do so with the backward differences `c` and the displacement `carried` from rest; return the rate at which a force
+    /// Do so with the backward differences `c` and the displacement `history` from rest; return the rate at which a force
     /// grows with the velocities, kg/s.
     pub(crate) fn step_by(
         &mut self,
         c: &[f64; 3],
         h: f64,
-        carried: &Carried<3>,
+        history: &DisplacementHistory<3>,
         load: &Drag<3>,
         fluid: &Mass<3>,
         lift: &Freedoms,
@@ -258,7 +258,7 @@ impl Body {
             let weight = join::<3>(&pull, arm.cross(&pull));
             let step = SpringStep {
                 supports,
-                carried,
+                history,
                 c: *c,
                 mass: own,
                 gyroscopic,

@@ -10,10 +10,6 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 use nalgebra::{Matrix3, Rotation3, SVector, Unit, Vector2, Vector3};
 use serde::{Serialize, de::DeserializeOwned};
 
-use crate::force::Drag;
-use crate::mounted::MountedStep;
-use crate::step::SpringMotion;
-
 /// A vector.
 pub type Vector<const D: usize> = SVector<f64, D>;
 
@@ -129,11 +125,6 @@ pub trait Kinematics<const D: usize>:
     /// Return the velocity of a point with the freedoms of a body, for each axis: `one` along an axis, and that of a
     /// rotation at `arm`.
     fn jacobian(one: f64, arm: [f64; D]) -> [Freedoms; D];
-
-    /// Return the motion of a body on springs under a drag, see [`MountedStep::solve`].
-    fn solve_springs(step: &MountedStep<D>, drag: &Drag<D>) -> SpringMotion<D>
-    where
-        [f64; D]: Kinematics<D>;
 }
 
 /// Return the components along the freedoms of a vector and a spin.
@@ -257,10 +248,6 @@ impl Kinematics<2> for [f64; 2] {
     fn jacobian(one: f64, [x, y]: [f64; 2]) -> [Freedoms; 2] {
         [[one, 0.0, -y, 0.0, 0.0, 0.0], [0.0, one, x, 0.0, 0.0, 0.0]]
     }
-
-    fn solve_springs(step: &MountedStep<2>, drag: &Drag<2>) -> SpringMotion<2> {
-        step.solve_in_plane(drag)
-    }
 }
 
 impl Kinematics<3> for [f64; 3] {
@@ -369,9 +356,5 @@ impl Kinematics<3> for [f64; 3] {
     #[inline(always)]
     fn jacobian(one: f64, [x, y, z]: [f64; 3]) -> [Freedoms; 3] {
         [[one, 0.0, 0.0, 0.0, z, -y], [0.0, one, 0.0, -z, 0.0, x], [0.0, 0.0, one, y, -x, 0.0]]
-    }
-
-    fn solve_springs(step: &MountedStep<3>, drag: &Drag<3>) -> SpringMotion<3> {
-        step.solve_in_space(drag)
     }
 }

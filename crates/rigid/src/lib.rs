@@ -7,21 +7,21 @@
 #![forbid(unsafe_code)]
 
 mod body;
-mod carried;
 mod flyer;
 mod force;
 mod hinge;
+mod history;
 mod kinematics;
 mod mounted;
 mod pose;
 mod step;
 
 pub use crate::body::{Body, BodyParameters, BodyState, FreeStep, Placed};
-pub use crate::carried::Carried;
 pub use crate::flyer::{FluidLoad, Flyer, FlyerState, HingeTurn};
 pub use crate::force::{Drag, Force};
 pub use crate::hinge::{RootResponse, force_about, rates_at};
+pub use crate::history::DisplacementHistory;
 pub use crate::kinematics::{Freedoms, Kinematics, Spin, Turn, Vector, join, nearest, split};
-pub use crate::mounted::MountedStep;
+pub use crate::mounted::{MountedStep, SpringDynamics};
 pub use crate::pose::Pose;
 pub use crate::step::{Mass, SpringMotion};

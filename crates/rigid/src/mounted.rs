@@ -4,8 +4,8 @@ use method::Support;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 use crate::body::{Body, BodyParameters, BodyState, Placed};
-use crate::carried::Carried;
 use crate::force::Drag;
+use crate::history::DisplacementHistory;
 use crate::kinematics::{Freedoms, Kinematics, nearest};
 use crate::pose::Pose;
 use crate::step::{Mass, SpringMotion, SpringStep};
@@ -18,7 +18,7 @@ where
     /// Spring and damper along each freedom; absent where the body is held.
     pub supports: &'a [Option<Support>; 6],
     /// Displacement before the step.
-    pub carried: &'a Carried<D>,
+    pub history: &'a DisplacementHistory<D>,
     /// Coefficients of the backward differences.
     pub c: [f64; 3],
     /// Mass, kg.
@@ -33,28 +33,36 @@ where
     pub predicted: Freedoms,
 }
 
+/// Dynamics of a body on springs; the crate implements them in two and three dimensions.
+pub trait SpringDynamics<const D: usize>: Kinematics<D> {
+    /// See [`MountedStep::solve`].
+    fn solve(step: &MountedStep<D>, drag: &Drag<D>) -> SpringMotion<D>
+    where
+        [f64; D]: Kinematics<D>;
+}
+
 impl<const D: usize> MountedStep<'_, D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     /// Find the motion under `drag`.
     pub fn solve(&self, drag: &Drag<D>) -> SpringMotion<D> {
-        <[f64; D]>::solve_springs(self, drag)
+        <[f64; D]>::solve(self, drag)
     }
 }
 
-impl MountedStep<'_, 2> {
-    pub(crate) fn solve_in_plane(&self, drag: &Drag<2>) -> SpringMotion<2> {
-        let &Self { supports, carried, c, mass, inertia, fluid, weight, predicted } = self;
+impl SpringDynamics<2> for [f64; 2] {
+    fn solve(step: &MountedStep<2>, drag: &Drag<2>) -> SpringMotion<2> {
+        let &MountedStep { supports, history, c, mass, inertia, fluid, weight, predicted } = step;
         let own = Mass { mass, inertia, arm: Vector2::zeros() };
         let (mass, gyroscopic) = (own.matrix(), own.gyroscopic(&predicted));
-        SpringStep { supports, carried, c, mass, gyroscopic, fluid, weight, predicted }.solve(drag)
+        SpringStep { supports, history, c, mass, gyroscopic, fluid, weight, predicted }.solve(drag)
     }
 }
 
-impl MountedStep<'_, 3> {
-    pub(crate) fn solve_in_space(&self, drag: &Drag<3>) -> SpringMotion<3> {
-        let &Self { supports, carried, c, mass, inertia, ref fluid, ref weight, ref predicted } = self;
+impl SpringDynamics<3> for [f64; 3] {
+    fn solve(step: &MountedStep<3>, drag: &Drag<3>) -> SpringMotion<3> {
+        let &MountedStep { supports, history, c, mass, inertia, ref fluid, ref weight, ref predicted } = step;
         let still = Vector3::zeros();
         let mut body = Body::new(BodyParameters {
             mass,
@@ -64,18 +72,18 @@ impl MountedStep<'_, 3> {
             gravity: still,
             position: still,
         });
-        let [now, before] = [carried.now, carried.before].map(|Pose { position, angle, velocity, omega }| Placed {
+        let [now, before] = [history.now, history.before].map(|Pose { position, angle, velocity, omega }| Placed {
             position,
             orientation: UnitQuaternion::from_scaled_axis(angle),
             velocity,
             omega,
         });
         let [h, last_step] = steps(&c);
-        body.state = BodyState { now, before, acceleration: carried.acceleration, last_step };
-        let matrix = body.step_by(&c, h, carried, drag, fluid, weight);
+        body.state = BodyState { now, before, acceleration: history.acceleration, last_step };
+        let matrix = body.step_by(&c, h, history, drag, fluid, weight);
         let mut displacement = body.state.now.displacement(&still);
-        displacement.angle = nearest(displacement.angle, &carried.now.angle);
-        SpringMotion { matrix, ..SpringMotion::given(displacement, c, carried, fluid, predicted) }
+        displacement.angle = nearest(displacement.angle, &history.now.angle);
+        SpringMotion { matrix, ..SpringMotion::given(displacement, c, history, fluid, predicted) }
     }
 }
 

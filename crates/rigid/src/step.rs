@@ -21,8 +21,8 @@ use std::array::from_fn;
 
 use method::Support;
 
-use crate::carried::Carried;
 use crate::force::{Drag, Force};
+use crate::history::DisplacementHistory;
 use crate::kinematics::{Freedoms, Kinematics, Vector, join, split};
 use crate::pose::Pose;
 
@@ -50,7 +50,7 @@ where
     /// Spring and damper along each freedom; absent where the body is held.
     pub supports: &'a [Option<Support>; 6],
     /// Displacement before the step.
-    pub carried: &'a Carried<D>,
+    pub history: &'a DisplacementHistory<D>,
     /// Coefficients of the backward differences.
     pub c: [f64; 3],
     /// Mass matrix of the body along the freedoms.
@@ -142,11 +142,11 @@ where
     pub fn given(
         displacement: Pose<D>,
         c: [f64; 3],
-        carried: &Carried<D>,
+        history: &DisplacementHistory<D>,
         fluid: &Mass<D>,
         predicted: &Freedoms,
     ) -> Self {
-        let (v, acceleration) = (displacement.rates(), carried.acceleration_to(&displacement, &c));
+        let (v, acceleration) = (displacement.rates(), history.acceleration_to(&displacement, &c));
         let change = from_fn(|i| v[i] - predicted[i]);
         let unsteady = fluid.rate_of_momentum(&acceleration, predicted);
         Self { displacement, acceleration, change, unsteady, matrix: [[0.0; 6]; 6] }
@@ -195,7 +195,14 @@ where
 {
     /// Find the velocities under `drag`.
     pub fn solve(&self, drag: &Drag<D>) -> SpringMotion<D> {
-        let &Self { supports, carried: &Carried { now, before, acceleration }, c, ref fluid, predicted, .. } = self;
+        let &Self {
+            supports,
+            history: &DisplacementHistory { now, before, acceleration },
+            c,
+            ref fluid,
+            predicted,
+            ..
+        } = self;
         let freedoms = 0..<[f64; D]>::FREEDOMS;
         let [v, v_before, x, x_before] = [now.rates(), before.rates(), now.places(), before.places()];
         let (displaced, gyroscopic) = (fluid.matrix(), fluid.gyroscopic(&predicted));

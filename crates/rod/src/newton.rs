@@ -141,7 +141,7 @@ impl<const D: usize> Newton<D> {
         }
         // The line search stops in front of the bad shape that the plain method met.
         self.iterate(problem, x, statistics, Update::Guarded).map_err(|guarded| match plain {
-            Error::Own(_) => plain,
+            Error::Structure(_) => plain,
             _ => guarded,
         })
     }

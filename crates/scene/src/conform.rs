@@ -305,8 +305,8 @@ impl fmt::Display for Range {
             return write!(formatter, " from {least} to {most}");
         }
         let limits = [(">", self.above), (">=", self.least), ("<", self.below), ("<=", self.most)];
-        let told: Vec<_> = limits.into_iter().filter_map(|(sign, limit)| Some(format!("{sign} {}", limit?))).collect();
-        if told.is_empty() { Ok(()) } else { write!(formatter, " {}", told.join(" and ")) }
+        let texts: Vec<_> = limits.into_iter().filter_map(|(sign, limit)| Some(format!("{sign} {}", limit?))).collect();
+        if texts.is_empty() { Ok(()) } else { write!(formatter, " {}", texts.join(" and ")) }
     }
 }
 

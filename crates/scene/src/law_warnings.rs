@@ -79,8 +79,8 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     found
 }
 
-/// Return the warning about the drag rate of solids; `passages` are the times in which the flow passes one, and the layer
-/// of a thin one, s.
+/// Return the warning about the penalization rate of solids; `passages` are the times in which the flow passes one, and
+/// the layer of a thin one, s.
 pub(crate) fn of_drag(fluid: &Fluid, step: f64, [passage, of_layer]: [Option<f64>; 2]) -> Option<Warning> {
     let (c_eta, step) = (fluid.mask.c_eta(), step.min(fluid.time_stepping.max_step));
     let least = step

@@ -42,7 +42,7 @@ pub enum Error<F> {
     },
     /// The elastic forces of the structure fail.
     #[error(transparent)]
-    Own(#[from] F),
+    Structure(#[from] F),
 }
 
 impl<F> Error<F> {

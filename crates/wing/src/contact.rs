@@ -7,70 +7,19 @@
 //! Points p_m of the triangles touch ([`points_of_surface`]), A_m is the area that belongs to one, and U the potential
 //! of a [`Law`] per area. A point moves with the corners of its triangle, so Newton's matrix keeps its pattern.
 
-use ::contact::{ContactError, HELD, Law, Meeting, Obstacle, Obstacles, Push, SurfacePoint, points_of_surface};
+use ::contact::{ContactError, HELD, Law, Meeting, Obstacles, Push, SurfacePoint, points_of_surface};
 use nalgebra::Matrix3;
-use structure::{check_law, finite};
 
+use crate::WingError;
 use crate::elastic::Elastic;
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
-use crate::itself::{self, Itself, Spot};
-use crate::parameters::Parameters;
-use crate::{Error, WingError};
-
-/// Most parts of an edge between points that touch.
-const MOST_PARTS: f64 = 16.0;
-
-/// What a membrane touches, and how; for obstacles it has no thickness.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// Forces per area.
-    pub law: Law,
-    /// Whether the membrane touches itself.
-    pub with_itself: bool,
-    /// Obstacles.
-    pub obstacles: Vec<Obstacle<3>>,
-}
-
-impl Contact {
-    /// Refuse numbers outside their ranges.
-    pub(crate) fn check(&self, parameters: &Parameters) -> Result<(), Error> {
-        let range = self.law.range;
-        check_law(&self.law)?;
-        self.obstacles.iter().try_for_each(|own| finite("contact.obstacles", own.pose.origin.as_slice()))?;
-        if self.parts(parameters) > MOST_PARTS {
-            return Err(Error::value("contact.range", range, "beside solids at least a 27th of the longest edge"));
-        }
-        if self.with_itself && itself::parts(longest_edge(parameters), range) > MOST_PARTS {
-            return Err(Error::value("contact.range", range, "at least an eighth of the longest edge"));
-        }
-        Ok(())
-    }
-
-    /// Return the parts of an edge between points that touch obstacles: one where there are only planes. Nothing comes
-    /// closer to an equilateral triangle than to all its corners by more than an edge over √3.
-    fn parts(&self, parameters: &Parameters) -> f64 {
-        if self.obstacles.iter().all(Obstacle::is_half_space) {
-            return 1.0;
-        }
-        (longest_edge(parameters) / 3_f64.sqrt() / self.law.range).ceil().max(1.0)
-    }
-}
-
-fn longest_edge(parameters: &Parameters) -> f64 {
-    let mesh = &parameters.mesh;
-    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
-    edges.map(|[a, b]| (mesh.node(*a) - mesh.node(*b)).norm()).fold(0.0, f64::max)
-}
+use crate::itself::{Itself, Spot};
+use crate::parameters::{Contact, Parameters};
 
 /// Contact of a wing during a stage.
 pub(crate) struct Contacts {
-    law: Law,
-    pub(crate) obstacles: Obstacles<3>,
-    itself: Option<Itself>,
-    points: Vec<SurfacePoint>,
-    /// Points that touch each obstacle: all but those beside a root that is held there.
-    of: Vec<Vec<u32>>,
+    pub(crate) detection: Detection,
     /// Length of the stage, s; `None` in an equilibrium.
     dt: Option<f64>,
     /// Forces on the nodes, N: `[nodes]`.
@@ -79,11 +28,21 @@ pub(crate) struct Contacts {
     pub(crate) is_near: bool,
 }
 
+/// Points of a wing, and what they may touch.
+pub(crate) struct Detection {
+    law: Law,
+    pub(crate) obstacles: Obstacles<3>,
+    itself: Option<Itself>,
+    points: Vec<SurfacePoint>,
+    /// Points that touch each obstacle: all but those beside a root that is held there.
+    of: Vec<Vec<u32>>,
+}
+
 impl Contacts {
     /// Return the contact of a wing at rest.
     pub(crate) fn new(own: &Contact, parameters: &Parameters) -> Self {
         let Parameters { mesh, root, .. } = parameters;
-        let points = points_of_surface(&mesh.nodes, &mesh.triangles, own.parts(parameters) as usize);
+        let points = points_of_surface(&mesh.nodes, &mesh.triangles, own.parts(mesh) as usize);
         let held = |place: Vector| root.nodes.iter().any(|&k| (mesh.node(k) - place).norm() < HELD * own.law.range);
         let of = own.obstacles.iter().map(|obstacle| {
             let touches = |k: &usize| obstacle.nearest(mesh.node(*k)).distance < own.law.range;
@@ -92,18 +51,14 @@ impl Contacts {
             let free = points.iter().enumerate().filter(|(_, point)| !(root_touches && held(place(point))));
             free.map(|(m, _)| m as u32).collect()
         });
-        Self {
+        let detection = Detection {
             law: own.law,
             obstacles: Obstacles::new(own.obstacles.clone()),
             of: of.collect(),
-            itself: own.with_itself.then(|| {
-                Itself::new(&own.law, parameters, itself::parts(longest_edge(parameters), own.law.range) as usize)
-            }),
+            itself: own.with_itself.then(|| Itself::new(&own.law, mesh, own.parts_for_itself(mesh) as usize)),
             points,
-            dt: None,
-            forces: vec![Vector::zeros(); mesh.nodes.len()],
-            is_near: false,
-        }
+        };
+        Self { detection, dt: None, forces: vec![Vector::zeros(); mesh.nodes.len()], is_near: false }
     }
 
     /// Begin a stage of `dt` (s) between these fractions of the step, from `origin` to the first guess `guess`, m.
@@ -116,24 +71,30 @@ impl Contacts {
         between: [f64; 2],
     ) -> Result<(), WingError> {
         self.dt = Some(dt);
-        self.obstacles.begin(between);
-        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin(faces, origin, guess)?))
+        self.detection.obstacles.begin(between);
+        self.detection.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin(faces, origin, guess)?))
     }
 
     /// Begin an equilibrium from the shape `origin`, m.
     pub(crate) fn begin_static(&mut self, faces: &[Face], origin: &[Vector]) -> Result<(), WingError> {
         self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
+        self.detection.itself.as_mut().map_or(Ok(()), |own| Ok(own.begin_static(faces, origin)?))
     }
 
     /// Find whether the wing of this shape (m) and velocity (m/s) may touch anything in `dt`, s.
-    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], velocity: &[Vector], dt: f64) -> Result<(), WingError> {
+    pub(crate) fn detect_nearby(
+        &mut self,
+        faces: &[Face],
+        x: &[Vector],
+        velocity: &[Vector],
+        dt: f64,
+    ) -> Result<(), WingError> {
         let moved = dt * velocity.iter().map(Vector::norm).fold(0.0, f64::max);
         let closer = 2.0 * moved;
         self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| own.look(faces, x, moved))?;
-        let mut near = !self.obstacles.are_still();
-        self.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
+        self.detection.itself.as_mut().map_or(Ok(()), |own| own.search_ahead(faces, x, moved))?;
+        let mut near = !self.detection.obstacles.are_still();
+        self.detection.visit(faces, x, x, closer, |law, met| near |= met.met.gaps[1] < law.reach() + closer);
         self.is_near = near;
         Ok(())
     }
@@ -141,9 +102,75 @@ impl Contacts {
     /// Let all obstacles stand still, without a stage.
     fn stand(&mut self) {
         self.dt = None;
-        self.obstacles.begin_static();
+        self.detection.obstacles.begin_static();
     }
 
+    /// Return the energy of the penalty in the shape `x`, J.
+    pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
+        self.stand();
+        self.detection.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
+        let mut sum = 0.0;
+        self.detection.visit(faces, x, x, 0.0, |law, met| sum += met.size * law.penalty(met.met.gaps[1]).potential);
+        Ok(sum)
+    }
+
+    /// Write the forces on the nodes in the shape `x` of a stage from `origin`, m, to `forces`.
+    pub(crate) fn find_forces(&mut self, elastic: &Elastic, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+        let (Self { detection, dt, forces, .. }, faces) = (self, &elastic.faces);
+        forces.fill(Vector::zeros());
+        let mut result = Ok(());
+        detection.visit(faces, x, origin, 0.0, |law, met| {
+            if -met.met.gaps[1] >= law.depth {
+                let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
+                result = Err(ContactError::Deep { node, depth, allowed: law.depth }.into());
+                return;
+            }
+            for (Push { force, .. }, partner) in met.pushes(law, *dt) {
+                let parts = [(Some(met.spot), force), (partner, -force)];
+                for (Spot { triangle, shares }, force) in parts.into_iter().filter_map(|(on, own)| Some((on?, own))) {
+                    let corners = faces[triangle].nodes.into_iter().zip(shares);
+                    corners.for_each(|(k, share)| forces[k] += force * share);
+                }
+            }
+        });
+        result
+    }
+
+    /// Pass second derivatives of the potential by the place of a point of a triangle, N/m, to `emit`, with the shares of
+    /// its corners; `safe` ones are positive semi-definite.
+    pub(crate) fn hessian(
+        &self,
+        faces: &[Face],
+        x: &[Vector],
+        origin: &[Vector],
+        safe: bool,
+        mut emit: impl FnMut(Spot, Matrix3<f64>),
+    ) {
+        self.detection.visit(faces, x, origin, 0.0, |law, mut met| {
+            if safe {
+                met.met.curvature = Matrix3::zeros();
+            }
+            for (Push { hessian, .. }, partner) in met.pushes(law, self.dt) {
+                let both = if partner.is_some() { 2.0 } else { 1.0 };
+                [Some(met.spot), partner].into_iter().flatten().for_each(|spot| emit(spot, hessian * both));
+            }
+        });
+    }
+
+    /// Refuse a stage from `origin` to `x`, m, in which the wing may have passed through something.
+    pub(crate) fn check(&self, faces: &[Face], x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
+        self.detection.itself.as_ref().map_or(Ok(()), |own| own.check(x, origin))?;
+        let mut result = Ok(());
+        self.detection.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
+            if met.passes_through() {
+                result = Err(ContactError::Through { node: faces[spot.triangle].nodes[0] }.into());
+            }
+        });
+        result
+    }
+}
+
+impl Detection {
     /// Visit each point in the shape `x` with all that it may touch, from the shape `origin`, m; still obstacles farther
     /// than the reach of the contact by `farther` (m) are left out.
     fn visit(
@@ -168,71 +195,6 @@ impl Contacts {
         if let Some(own) = &self.itself {
             own.visit(faces, x, origin, |meeting| visit(&own.law, meeting));
         }
-    }
-
-    /// Return the energy of the penalty in the shape `x`, J.
-    pub(crate) fn energy(&mut self, faces: &[Face], x: &[Vector]) -> Result<f64, WingError> {
-        self.stand();
-        self.itself.as_mut().map_or(Ok(()), |own| own.search(faces, x, 0.0))?;
-        let mut sum = 0.0;
-        self.visit(faces, x, x, 0.0, |law, met| sum += met.size * law.penalty(met.met.gaps[1]).potential);
-        Ok(sum)
-    }
-
-    /// Write the forces on the nodes in the shape `x` of a stage from `origin`, m, to `forces`.
-    pub(crate) fn find_forces(&mut self, elastic: &Elastic, x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
-        let (mut forces, faces) = (std::mem::take(&mut self.forces), &elastic.faces);
-        forces.fill(Vector::zeros());
-        let (dt, mut result) = (self.dt, Ok(()));
-        self.visit(faces, x, origin, 0.0, |law, met| {
-            if -met.met.gaps[1] >= law.depth {
-                let (node, depth) = (faces[met.spot.triangle].nodes[0], -met.met.gaps[1]);
-                result = Err(ContactError::Deep { node, depth, allowed: law.depth }.into());
-                return;
-            }
-            for (Push { force, .. }, partner) in met.pushes(law, dt) {
-                let parts = [(Some(met.spot), force), (partner, -force)];
-                for (Spot { triangle, shares }, force) in parts.into_iter().filter_map(|(on, own)| Some((on?, own))) {
-                    let corners = faces[triangle].nodes.into_iter().zip(shares);
-                    corners.for_each(|(k, share)| forces[k] += force * share);
-                }
-            }
-        });
-        self.forces = forces;
-        result
-    }
-
-    /// Pass second derivatives of the potential by the place of a point of a triangle, N/m, to `emit`, with the shares of
-    /// its corners; `safe` ones are positive semi-definite.
-    pub(crate) fn hessian(
-        &self,
-        faces: &[Face],
-        x: &[Vector],
-        origin: &[Vector],
-        safe: bool,
-        mut emit: impl FnMut(Spot, Matrix3<f64>),
-    ) {
-        self.visit(faces, x, origin, 0.0, |law, mut met| {
-            if safe {
-                met.met.curvature = Matrix3::zeros();
-            }
-            for (Push { hessian, .. }, partner) in met.pushes(law, self.dt) {
-                let both = if partner.is_some() { 2.0 } else { 1.0 };
-                [Some(met.spot), partner].into_iter().flatten().for_each(|spot| emit(spot, hessian * both));
-            }
-        });
-    }
-
-    /// Refuse a stage from `origin` to `x`, m, in which the wing may have passed through something.
-    pub(crate) fn check(&self, faces: &[Face], x: &[Vector], origin: &[Vector]) -> Result<(), WingError> {
-        self.itself.as_ref().map_or(Ok(()), |own| own.check(x, origin))?;
-        let mut result = Ok(());
-        self.visit(faces, x, origin, f64::INFINITY, |_, Meeting { spot, met, .. }| {
-            if met.passes_through() {
-                result = Err(ContactError::Through { node: faces[spot.triangle].nodes[0] }.into());
-            }
-        });
-        result
     }
 }
 

@@ -3,6 +3,7 @@
 use mesh::{Bend, Mesh, MeshEdge};
 use nalgebra::Matrix3;
 
+use crate::energy::Energy;
 use crate::face::{Face, FaceShape};
 use crate::geometry::{Geometry, Vector, refused};
 use crate::parameters::{Parameters, Support, Vein};
@@ -10,7 +11,7 @@ use crate::plate::{Hinge, Side, compliance};
 use crate::sparse::Symmetric;
 use crate::twist::Twists;
 use crate::vein::{Segment, Vertex};
-use crate::{Energy, Error, WingError};
+use crate::{Error, WingError};
 
 /// Largest turn of a hinge in a sub-step, rad: beyond it Newton's method may have found another solution, a fold.
 const MOST_TURN: f64 = std::f64::consts::FRAC_PI_4;

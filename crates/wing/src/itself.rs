@@ -13,14 +13,12 @@ use ::contact::{
     Cells, ContactError, Encounter, Law, MOST_PARTNERS, Meeting, SurfacePoint, keep_one_of_each_bend,
     nearest_of_triangle, points_of_surface,
 };
+use mesh::Mesh;
 use nalgebra::Matrix3;
 
 use crate::face::Face;
 use crate::geometry::{Geometry, Vector};
-use crate::parameters::Parameters;
-
-/// Half the thickness of the membrane for itself, over the range.
-const SKIN: f64 = 0.25;
+use crate::parameters::SKIN;
 
 /// Motion of a node beyond the first guess that the search allows for, over the distance at which layers touch: so small
 /// that it finds nothing in a flat wing, of which points closer than π/2 of that distance are left out.
@@ -51,16 +49,7 @@ pub(crate) struct Itself {
     pub(crate) law: Law,
     /// Distance at which layers touch, m.
     touching: f64,
-    /// Distance at rest of points that touch, m: half a circle of that diameter.
-    apart: f64,
-    points: Vec<SurfacePoint>,
-    /// Corners of the triangles at rest, m.
-    rest_corners: Vec<[Vector; 3]>,
-    /// Triangles that are no farther from each point at rest than `apart`; those of point m end at `beside_ends[m]`.
-    beside: Vec<u32>,
-    beside_ends: Vec<usize>,
-    /// Triangles that share a node with each one.
-    neighbours: Vec<Vec<u32>>,
+    surface: Surface,
     /// Largest motion of a node in the stage that the search allows for, m.
     allowed: f64,
     cells: Cells<3>,
@@ -75,16 +64,23 @@ pub(crate) struct Itself {
     closer: f64,
 }
 
-/// Return the parts of edges of at most this length (m) between points, so that no edge passes between two points of
-/// another one.
-pub(crate) fn parts(longest: f64, range: f64) -> f64 {
-    (longest / (2.0 * SKIN * range)).ceil().max(1.0)
+/// Points of the membrane, and what is beside them at rest.
+struct Surface {
+    /// Distance at rest of points that touch, m: half a circle of the diameter at which layers touch.
+    apart: f64,
+    points: Vec<SurfacePoint>,
+    /// Corners of the triangles at rest, m.
+    rest_corners: Vec<[Vector; 3]>,
+    /// Triangles that are no farther from each point at rest than `apart`; those of point m end at `beside_ends[m]`.
+    beside: Vec<u32>,
+    beside_ends: Vec<usize>,
+    /// Triangles that share a node with each one.
+    neighbours: Vec<Vec<u32>>,
 }
 
 impl Itself {
     /// Return the contact with itself of a wing whose solids touch by `law`, with so many `parts` of an edge.
-    pub(crate) fn new(law: &Law, parameters: &Parameters, parts: usize) -> Self {
-        let mesh = &parameters.mesh;
+    pub(crate) fn new(law: &Law, mesh: &Mesh, parts: usize) -> Self {
         let points = points_of_surface(&mesh.nodes, &mesh.triangles, parts);
         let rest_corners: Vec<_> = mesh.triangles.iter().map(|corners| corners.map(|k| mesh.node(k))).collect();
         let mut of_node = vec![Vec::new(); mesh.nodes.len()];
@@ -119,10 +115,6 @@ impl Itself {
             // Two layers are springs in series.
             law: Law { range: law.range - 2.0 * skin, stiffness: 0.5 * law.stiffness, depth: skin, ..*law },
             touching: law.range,
-            apart,
-            neighbours: neighbours.collect(),
-            beside,
-            beside_ends,
             allowed: f64::INFINITY,
             cells,
             candidates: Vec::with_capacity(rest_corners.len()),
@@ -131,8 +123,7 @@ impl Itself {
             ends: vec![0; points.len()],
             searched: vec![Vector::repeat(f64::NAN); mesh.nodes.len()],
             closer: 0.0,
-            rest_corners,
-            points,
+            surface: Surface { apart, neighbours: neighbours.collect(), beside, beside_ends, rest_corners, points },
         }
     }
 
@@ -150,7 +141,7 @@ impl Itself {
     }
 
     /// Begin a stage in which nodes move by this distance, m: find what [`Itself::begin`] then needs in most cases.
-    pub(crate) fn look(&mut self, faces: &[Face], x: &[Vector], moved: f64) -> Result<(), ContactError> {
+    pub(crate) fn search_ahead(&mut self, faces: &[Face], x: &[Vector], moved: f64) -> Result<(), ContactError> {
         self.search(faces, x, 2.0 * (moved + MARGIN * self.touching))
     }
 
@@ -161,76 +152,39 @@ impl Itself {
             return Ok(());
         }
         self.closer = f64::NEG_INFINITY; // until nothing has failed
-        let Self { middles, .. } = self;
+        let Self { surface, touching, cells, middles, candidates, partners, ends, .. } = self;
         let mut around = 0.0_f64;
         for (middle, face) in middles.iter_mut().zip(faces) {
             let corners = face.nodes.map(|k| x[k]);
             *middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             corners.iter().for_each(|corner| around = around.max((corner - *middle).norm_squared()));
         }
-        let near = self.touching + closer;
+        let near = *touching + closer;
         let around = around.sqrt();
         let size = near + 2.0 * around;
-        self.cells.sort(size, self.middles.iter().map(|middle| (*middle).into()));
-        // Taken out, that the rest may be read; it goes back after a failure, too.
-        let (mut partners, mut ends) = (std::mem::take(&mut self.partners), std::mem::take(&mut self.ends));
-        let (mut candidates, mut of) = (std::mem::take(&mut self.candidates), usize::MAX);
+        cells.sort(size, middles.iter().map(|middle| (*middle).into()));
+        let mut of = usize::MAX;
         partners.clear();
-        let crowded = (0..self.points.len()).find_map(|m| {
-            if self.points[m].triangle != of {
-                of = self.points[m].triangle;
+        let crowded = surface.points.iter().enumerate().find_map(|(m, point)| {
+            if point.triangle != of {
+                of = point.triangle;
                 candidates.clear();
-                let middle = self.middles[of];
-                let is_near = |t: usize| (middle - self.middles[t]).norm_squared() <= size * size;
-                self.cells.visit(middle.into(), |t| candidates.extend(is_near(t).then_some(t as u32)));
+                let middle = middles[of];
+                let is_near = |t: usize| (middle - middles[t]).norm_squared() <= size * size;
+                cells.visit(middle.into(), |t| candidates.extend(is_near(t).then_some(t as u32)));
             }
-            let found = self.find_layers(faces, x, m, [near, near + around], &candidates, &mut partners);
+            let found = surface.find_layers(faces, x, m, [near, near + around], (middles, candidates), partners);
             ends[m] = partners.len();
             (found > MOST_PARTNERS).then(|| ContactError::Crowded {
-                node: faces[self.points[m].triangle].nodes[0],
+                node: faces[point.triangle].nodes[0],
                 found,
                 most: MOST_PARTNERS,
             })
         });
-        (self.partners, self.ends, self.candidates) = (partners, ends, candidates);
         crowded.map_or(Ok(()), Err)?;
         self.searched.copy_from_slice(x);
         self.closer = closer;
         Ok(())
-    }
-
-    /// Add those `candidates` of the layers that come closer to point `m` than `near`, whose middles are closer than `size`
-    /// (m), to `partners`; return how many there were, of which at most [`MOST_PARTNERS`] are added.
-    fn find_layers(
-        &self,
-        faces: &[Face],
-        x: &[Vector],
-        m: usize,
-        [near, size]: [f64; 2],
-        candidates: &[u32],
-        partners: &mut Vec<u32>,
-    ) -> usize {
-        let Self { middles, apart, .. } = self;
-        let (p, begin, mut found) = (self.at(faces, x, m), partners.len(), 0);
-        for t in candidates.iter().map(|&t| t as usize) {
-            if (p - middles[t]).norm_squared() > size * size || !self.is_apart(m, t) {
-                continue;
-            }
-            let layer = layer(faces, x, p, t);
-            if layer.distance < near && self.is_closest(faces, x, p, m, &layer) {
-                found += 1;
-                if found <= MOST_PARTNERS {
-                    partners.push(t as u32);
-                }
-            }
-        }
-        let place = |t: u32| {
-            let ([a, b, c], shares) = (self.rest_corners[t as usize], layer(faces, x, p, t as usize).spot.shares);
-            a * shares[0] + b * shares[1] + c * shares[2]
-        };
-        let distance = |t: u32| layer(faces, x, p, t as usize).distance;
-        keep_one_of_each_bend(partners, begin, distance, |s, t| (place(s) - place(t)).norm() > *apart);
-        found
     }
 
     /// Visit each point that may touch another layer in the shape `x` of a stage from `origin`, m.
@@ -242,16 +196,17 @@ impl Itself {
         mut visit: impl FnMut(Meeting<Spot, 3>),
     ) {
         let mut begin = 0;
-        for (m, point) in self.points.iter().enumerate() {
+        let Self { surface, .. } = self;
+        for (m, point) in surface.points.iter().enumerate() {
             let partners = &self.partners[begin..self.ends[m]];
             begin = self.ends[m];
             if partners.is_empty() {
                 continue;
             }
-            let (p, p_before) = (self.at(faces, x, m), self.at(faces, origin, m));
+            let (p, p_before) = (surface.at(faces, x, m), surface.at(faces, origin, m));
             for &t in partners {
-                let before = self.walk(faces, origin, p_before, m, t as usize);
-                let now = self.walk(faces, x, p, m, t as usize);
+                let before = surface.walk(faces, origin, p_before, m, t as usize);
+                let now = surface.walk(faces, x, p, m, t as usize);
                 let both = [before, now];
                 let met = Encounter {
                     distances: both.map(|own| own.distance),
@@ -270,6 +225,41 @@ impl Itself {
     pub(crate) fn check(&self, x: &[Vector], origin: &[Vector]) -> Result<(), ContactError> {
         let moved = x.iter().zip(origin).map(|(x, before)| (x - before).norm()).fold(0.0, f64::max);
         if moved > self.allowed { Err(ContactError::Hasty { moved, allowed: self.allowed }) } else { Ok(()) }
+    }
+}
+
+impl Surface {
+    /// Add those `candidates` of the layers that come closer to point `m` than `near`, whose `middles` are closer than
+    /// `size` (m), to `partners`; return how many there were, of which at most [`MOST_PARTNERS`] are added.
+    fn find_layers(
+        &self,
+        faces: &[Face],
+        x: &[Vector],
+        m: usize,
+        [near, size]: [f64; 2],
+        (middles, candidates): (&[Vector], &[u32]),
+        partners: &mut Vec<u32>,
+    ) -> usize {
+        let (p, begin, mut found) = (self.at(faces, x, m), partners.len(), 0);
+        for t in candidates.iter().map(|&t| t as usize) {
+            if (p - middles[t]).norm_squared() > size * size || !self.is_apart(m, t) {
+                continue;
+            }
+            let layer = layer(faces, x, p, t);
+            if layer.distance < near && self.is_closest(faces, x, p, m, &layer) {
+                found += 1;
+                if found <= MOST_PARTNERS {
+                    partners.push(t as u32);
+                }
+            }
+        }
+        let place = |t: u32| {
+            let ([a, b, c], shares) = (self.rest_corners[t as usize], layer(faces, x, p, t as usize).spot.shares);
+            a * shares[0] + b * shares[1] + c * shares[2]
+        };
+        let distance = |t: u32| layer(faces, x, p, t as usize).distance;
+        keep_one_of_each_bend(partners, begin, distance, |s, t| (place(s) - place(t)).norm() > self.apart);
+        found
     }
 
     /// Return the place of point `m` in the shape `x`, m.

@@ -17,6 +17,7 @@ mod base;
 mod contact;
 mod dissection;
 mod elastic;
+mod energy;
 mod error;
 mod face;
 mod frames;
@@ -42,11 +43,11 @@ pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
 pub use structure::{Drive, Exchange, Loads, RootResponse, Scheme, Statistics};
 
 pub use crate::base::{Memory, RigidMotion, WingState};
-pub use crate::contact::Contact;
+pub use crate::energy::Energy;
 pub use crate::error::{Error, WingError};
-pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
+pub use crate::parameters::{Contact, Membrane, Parameters, Root, Support, Vein};
 pub use crate::twist::Twist;
-pub use crate::wing::{Energy, Wing};
+pub use crate::wing::Wing;
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -102,7 +102,7 @@ impl Newton {
         x: &[Vector],
         v: &[Vector],
     ) -> Result<(), Error> {
-        self.look_ahead(elastic, balance);
+        self.extrapolate_stresses(elastic, balance);
         self.system.assemble(elastic, x, v, balance, false)?;
         self.add_contact(elastic, balance, x, x, false);
         self.stiffness = self.system.stiffness();
@@ -166,14 +166,14 @@ impl Newton {
             let is_first_nearby = std::mem::take(&mut self.near);
             stale = imbalance.residual > SLOW * before && !is_first_nearby;
             if stale {
-                self.look_ahead(elastic, balance);
+                self.extrapolate_stresses(elastic, balance);
             }
         }
         Err(imbalance.error(statistics))
     }
 
     /// Set the stresses of the next matrix, by the last update of the shape before it.
-    fn look_ahead(&self, elastic: &mut Elastic, balance: &Balance<3>) {
+    fn extrapolate_stresses(&self, elastic: &mut Elastic, balance: &Balance<3>) {
         let viscous = 1.0 + elastic.relaxation_time * balance.rate;
         elastic.extrapolate_stresses(&self.before, &self.velocity_before, viscous, |k| self.system.update_of(k));
     }

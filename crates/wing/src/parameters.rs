@@ -1,13 +1,19 @@
 //! Parameters of a wing.
 
+use ::contact::{Law, Obstacle};
 use mesh::Mesh;
 use serde::{Deserialize, Serialize};
-use structure::{Scheme, check_scheme, not_negative, positive};
+use structure::{Scheme, check_law, check_scheme, finite, not_negative, positive};
 
-use crate::contact::Contact;
-use crate::geometry::refused;
+use crate::Error;
+use crate::geometry::{Geometry, refused};
 use crate::section::Section;
-use crate::{Error, Wing};
+
+/// Half the thickness of the membrane for itself, over the range.
+pub(crate) const SKIN: f64 = 0.25;
+
+/// Most parts of an edge between points that touch.
+const MOST_PARTS: f64 = 16.0;
 
 /// Material of a region of the membrane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,6 +80,17 @@ pub struct Root {
     pub origin: [f64; 3],
 }
 
+/// What a membrane touches, and how; for obstacles it has no thickness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// Forces per area.
+    pub law: Law,
+    /// Whether the membrane touches itself.
+    pub with_itself: bool,
+    /// Obstacles.
+    pub obstacles: Vec<Obstacle<3>>,
+}
+
 /// Parameters of a wing, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
@@ -133,6 +150,37 @@ impl Vein {
     }
 }
 
+impl Contact {
+    /// Refuse numbers outside their ranges for a wing of this `mesh`.
+    fn check(&self, mesh: &Mesh) -> Result<(), Error> {
+        let range = self.law.range;
+        check_law(&self.law)?;
+        self.obstacles.iter().try_for_each(|own| finite("contact.obstacles", own.pose.origin.as_slice()))?;
+        if self.parts(mesh) > MOST_PARTS {
+            return Err(Error::value("contact.range", range, "beside solids at least a 27th of the longest edge"));
+        }
+        if self.with_itself && self.parts_for_itself(mesh) > MOST_PARTS {
+            return Err(Error::value("contact.range", range, "at least an eighth of the longest edge"));
+        }
+        Ok(())
+    }
+
+    /// Return the parts of an edge between points that touch obstacles: one where there are only planes. Nothing comes
+    /// closer to an equilateral triangle than to all its corners by more than an edge over √3.
+    pub(crate) fn parts(&self, mesh: &Mesh) -> f64 {
+        if self.obstacles.iter().all(Obstacle::is_half_space) {
+            return 1.0;
+        }
+        (longest_edge(mesh) / 3_f64.sqrt() / self.law.range).ceil().max(1.0)
+    }
+
+    /// Return the parts of an edge between points that touch the membrane itself, so that no edge passes between two
+    /// points of another one.
+    pub(crate) fn parts_for_itself(&self, mesh: &Mesh) -> f64 {
+        (longest_edge(mesh) / (2.0 * SKIN * self.law.range)).ceil().max(1.0)
+    }
+}
+
 impl Parameters {
     /// Return a free wing of one material, without veins and gravity.
     pub fn new(mesh: Mesh, membrane: Membrane) -> Self {
@@ -154,11 +202,6 @@ impl Parameters {
     /// Return the material of triangle `t`.
     pub(crate) fn membrane(&self, t: usize) -> &Membrane {
         &self.membranes[self.regions.get(t).copied().unwrap_or(0)]
-    }
-
-    /// Return the wing of these parameters.
-    pub fn build(self) -> Result<Wing, Error> {
-        Wing::new(self)
     }
 
     /// Return whether the wing has a section with twist and camber.
@@ -224,14 +267,14 @@ impl Parameters {
         if let Support::TorsionSpring { stiffness } = self.root.support {
             positive("root.support.stiffness", stiffness)?;
         }
-        structure::finite("root.origin", &self.root.origin)?;
-        structure::finite("gravity", &self.gravity)?;
+        finite("root.origin", &self.root.origin)?;
+        finite("gravity", &self.gravity)?;
         not_negative("relaxation_time", self.relaxation_time)?;
         if let Some(longest) = self.max_step {
             positive("max_step", longest)?;
         }
         check_scheme(self.scheme)?;
-        self.contact.as_ref().map_or(Ok(()), |contact| contact.check(self))?;
+        self.contact.as_ref().map_or(Ok(()), |contact| contact.check(&self.mesh))?;
         match self.mesh.unused(self.veins.iter().map(|vein| &vein.nodes[..])) {
             Some(k) => Err(Error::value(format!("mesh.nodes[{k}]"), "in no triangle and no vein", "part of the wing")),
             None => Ok(()),
@@ -252,4 +295,9 @@ fn check_torsion(vein: &Vein, mesh: &Mesh) -> Result<(), Error> {
         }
         _ => Ok(()),
     }
+}
+
+fn longest_edge(mesh: &Mesh) -> f64 {
+    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(|[a, b]| (mesh.node(*a) - mesh.node(*b)).norm()).fold(0.0, f64::max)
 }

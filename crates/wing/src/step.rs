@@ -2,8 +2,9 @@
 
 use structure::{Core, Mounted, Reaction, RootResponse, Span, StepRule, Structure};
 
+use crate::energy::{Energy, EnergyBefore};
 use crate::geometry::Vector;
-use crate::{Energy, Error, Memory, RigidMotion, Wing, WingError};
+use crate::{Error, Memory, RigidMotion, Wing, WingError};
 
 /// Energy that a wing may gain in a sub-step beyond the work of its loads, by the energy that it exchanges. At long
 /// steps Newton's method may find another solution, as of wrinkles, and each one may add energy.
@@ -17,14 +18,6 @@ const ROUNDING: f64 = 1e-13;
 const MASS_ITERATIONS: usize = 200;
 /// Tolerance of the first accelerations.
 const MASS_TOLERANCE: f64 = 1e-13;
-
-/// What a sub-step is compared with where no drive does work.
-#[derive(Clone, Copy)]
-pub(crate) struct EnergyBefore {
-    energy: Energy,
-    /// Exchange of energy below which all is rounding, J.
-    rounding: f64,
-}
 
 impl Structure<3> for Wing {
     type Own = Memory;
@@ -126,7 +119,7 @@ impl Structure<3> for Wing {
     fn rule(&mut self, dt: f64) -> Result<Option<StepRule>, Error> {
         let Self { core, elastic, newton, .. } = self;
         let Some(contact) = &mut newton.contact else { return Ok(None) };
-        contact.look(&elastic.faces, &core.state.positions, &core.state.velocities, dt)?;
+        contact.detect_nearby(&elastic.faces, &core.state.positions, &core.state.velocities, dt)?;
         Ok(core.rule_in_contact(dt).filter(|_| contact.is_near))
     }
 
@@ -183,9 +176,9 @@ impl Structure<3> for Wing {
         }
         let elastic = |energy: &Energy| energy.stretching + energy.bending + energy.veins;
         let [elastic, gravity] = [elastic(&now) - elastic(&before), now.gravity - before.gravity];
-        let [work, worked] = self.work_of_loads();
+        let [work, work_magnitude] = self.work_of_loads();
         let gain = now.kinetic - before.kinetic + elastic + gravity - work;
-        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs() + worked;
+        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs() + work_magnitude;
         if exchanged > rounding && gain > MOST_GAIN * exchanged {
             return Err(WingError::Gain { gain, exchanged }.into());
         }
@@ -196,7 +189,7 @@ impl Structure<3> for Wing {
     fn complete(&mut self, base: &RigidMotion) -> Result<Option<Reaction<3>>, Error> {
         self.core.state.own.base = *base;
         self.align();
-        self.newton.contact.iter_mut().for_each(|contact| contact.obstacles.stay());
+        self.newton.contact.iter_mut().for_each(|contact| contact.detection.obstacles.stay());
         if self.parameters.root.nodes.is_empty() {
             return Ok(None);
         }
@@ -340,7 +333,7 @@ impl Wing {
         let held = (base.displacement, base.rotation) == (before.displacement, before.rotation)
             && still(base)
             && still(before);
-        let still = self.newton.contact.as_ref().is_none_or(|contact| contact.obstacles.are_still());
+        let still = self.newton.contact.as_ref().is_none_or(|contact| contact.detection.obstacles.are_still());
         still && (held || self.parameters.root.nodes.is_empty())
     }
 

@@ -9,40 +9,16 @@ use crate::Error;
 use crate::base::{Memory, RigidMotion, WingState};
 use crate::contact::Contacts;
 use crate::elastic::Elastic;
+use crate::energy::{Energy, EnergyBefore};
 use crate::geometry::{Geometry, Vector};
 use crate::newton::Newton;
 use crate::parameters::Parameters;
 use crate::section::Section;
-use crate::step::EnergyBefore;
 use crate::system::System;
 use crate::trial::Trial;
 
 /// Least mass of the membrane without the displaced fluid, by its own: the mass matrix stays positive definite.
 const LEAST_MASS: f64 = 1e-3;
-
-/// Energies, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energy {
-    /// Kinetic energy, without the displaced fluid.
-    pub kinetic: f64,
-    /// Energy of the strain of the membrane, with its tension.
-    pub stretching: f64,
-    /// Energy of bending of the membrane.
-    pub bending: f64,
-    /// Energy of the veins.
-    pub veins: f64,
-    /// Energy of contact.
-    pub contact: f64,
-    /// Potential energy in gravity, 0 at rest.
-    pub gravity: f64,
-}
-
-impl Energy {
-    /// Return the sum of all energies.
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.stretching + self.bending + self.veins + self.contact + self.gravity
-    }
-}
 
 /// Wing with its parameters, state and loads; [`Wing::step`] allocates nothing.
 pub struct Wing {
@@ -62,6 +38,13 @@ pub struct Wing {
     section: Option<Section>,
     /// Energy before a sub-step; `None` where a drive does work.
     pub(crate) energy_before: Option<EnergyBefore>,
+}
+
+impl Parameters {
+    /// Return the wing of these parameters; see [`Wing::new`].
+    pub fn build(self) -> Result<Wing, Error> {
+        Wing::new(self)
+    }
 }
 
 impl Wing {
@@ -216,7 +199,8 @@ impl Wing {
 
     /// Prescribe the places of obstacle `i` at the begin and the end of the next step; it then stays.
     pub fn move_obstacle(&mut self, i: usize, places: [Pose<3>; 2]) {
-        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.obstacles.motion_mut(i)) {
+        if let Some(place) = self.newton.contact.as_mut().and_then(|contact| contact.detection.obstacles.motion_mut(i))
+        {
             *place = places;
         }
     }

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use method::Support;
 use nalgebra::SVector;
 use nervure_contact::{BodyContacts, BodyLaw, Obstacle, Part, PartMotion, Pose};
-use rigid::{Carried, Drag, Freedoms, Kinematics, Mass, MountedStep, SpringMotion, join};
+use rigid::{DisplacementHistory, Drag, Freedoms, Kinematics, Mass, MountedStep, SpringDynamics, SpringMotion, join};
 
 /// A free body: its shape, mass, kg, and moment of inertia, kg m², place, m, and velocities.
 pub struct Free<const D: usize> {
@@ -19,10 +19,10 @@ pub struct Free<const D: usize> {
 /// Bodies on their way.
 pub struct World<const D: usize>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     pub contacts: BodyContacts<D>,
-    pub bodies: Vec<(Free<D>, Carried<D>)>,
+    pub bodies: Vec<(Free<D>, DisplacementHistory<D>)>,
     gravity: SVector<f64, D>,
     dt: f64,
     last: f64,
@@ -35,7 +35,7 @@ const SUPPORT: Option<Support> = Some(Support { stiffness: 0.0, damping: 0.0, re
 
 fn pose<const D: usize>(body: &Free<D>, at: &rigid::Pose<D>) -> Pose<D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     let by = <[f64; D]>::orientation(&Default::default(), at.angle);
     let unit = |d: usize| SVector::from_fn(|e, _| f64::from(u8::from(d == e)));
@@ -44,7 +44,7 @@ where
 
 impl<const D: usize> World<D>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     pub fn new(bodies: Vec<Free<D>>, obstacles: Vec<Obstacle<D>>, law: &BodyLaw) -> Self {
         let moving = bodies.iter().map(|body| {
@@ -59,7 +59,7 @@ where
         let contacts = BodyContacts::new(moving.chain(still).collect(), law).expect("all can touch");
         let begun = |body: Free<D>| {
             let now = rigid::Pose::new(&[0.0; 6], &body.rates);
-            (body, Carried { now, before: now, acceleration: [0.0; 6] })
+            (body, DisplacementHistory { now, before: now, acceleration: [0.0; 6] })
         };
         let bodies = bodies.into_iter().map(begun).collect();
         Self { contacts, bodies, gravity: SVector::zeros(), dt: law.dt, last: 0.0 }
@@ -70,21 +70,21 @@ where
         let c = if self.last == 0.0 { [1.0 / h, 1.0 / h, 0.0] } else { [1.5 / h, 2.0 / h, -0.5 / h] };
         let none = Mass { mass: 0.0, inertia: [[0.0; 3]; 3], arm: SVector::zeros() };
         let mut found = Vec::new();
-        for (k, (body, carried)) in self.bodies.iter().enumerate() {
+        for (k, (body, history)) in self.bodies.iter().enumerate() {
             let inertia = from_fn(|i| from_fn(|j| if i == j { body.inertia } else { 0.0 }));
             let weight = join::<D>(&(self.gravity * body.mass), Default::default());
             let step = MountedStep {
                 supports: &[SUPPORT; 6],
-                carried,
+                history,
                 c,
                 mass: body.mass,
                 inertia,
                 fluid: none,
                 weight,
-                predicted: carried.predicted(h, self.last).rates(),
+                predicted: history.predicted(h, self.last).rates(),
             };
             let motion = step.solve(&Drag::default());
-            let poses = [pose(body, &carried.now), pose(body, &motion.displacement)];
+            let poses = [pose(body, &history.now), pose(body, &motion.displacement)];
             let (rates, matrix) = (motion.displacement.rates(), motion.matrix);
             *self.contacts.motion_mut(k) = PartMotion { poses, rates, matrix, free: [true; 6] };
             found.push(motion);
@@ -92,8 +92,8 @@ where
         if let Some(changes) = self.contacts.solve(c[0], h)? {
             found.iter_mut().zip(changes).for_each(|(motion, change)| motion.add(change, c[0], &none));
         }
-        for ((_, carried), SpringMotion { displacement, acceleration, .. }) in self.bodies.iter_mut().zip(found) {
-            *carried = Carried { now: displacement, before: carried.now, acceleration };
+        for ((_, history), SpringMotion { displacement, acceleration, .. }) in self.bodies.iter_mut().zip(found) {
+            *history = DisplacementHistory { now: displacement, before: history.now, acceleration };
         }
         self.last = h;
         Ok(())
@@ -101,8 +101,8 @@ where
 
     /// Return the kinetic energy, J.
     fn energy(&self) -> f64 {
-        let kinetic = |(body, carried): &(Free<D>, Carried<D>)| {
-            let rates = carried.now.rates();
+        let kinetic = |(body, history): &(Free<D>, DisplacementHistory<D>)| {
+            let rates = history.now.rates();
             let square = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
             0.5 * (body.mass * square(&rates[..D]) + body.inertia * square(&rates[D..]))
         };
@@ -142,7 +142,7 @@ impl Random {
 /// A step that fails.
 pub fn fly<const D: usize>(case: u64) -> Result<[f64; 3], String>
 where
-    [f64; D]: Kinematics<D>,
+    [f64; D]: SpringDynamics<D>,
 {
     let mut random = Random(88_172_645_463_325_252_u64.wrapping_mul(2 * case + D as u64));
     (0..8).for_each(|_| _ = random.next());

@@ -10,7 +10,7 @@ use crate::wall::{DragProfile, Sample, WallTarget};
 pub struct Cell<const D: usize> {
     /// Index of the grid point.
     pub index: usize,
-    /// Drag rate a of this body, 1/s.
+    /// Penalization rate a of this body, 1/s.
     pub rate: f64,
     /// Velocity to which the body draws the fluid, m/s.
     pub velocity: Vector<D>,
@@ -34,7 +34,7 @@ where
     cell: usize,
     /// Share of the surface in the cell.
     share: f64,
-    /// Drag rate in still fluid, 1/s.
+    /// Penalization rate in still fluid, 1/s.
     rate: f64,
     /// Velocity of the body at the cell, m/s.
     body: Vector<D>,
@@ -64,7 +64,7 @@ where
     targeted: Vec<Targeted<D>>,
     /// Samples of the targeted cells, in the same order.
     samples: Vec<Around<D>>,
-    /// Drag per velocity through the surface, s/m, and the largest drag rate, 1/s.
+    /// Drag per velocity through the surface, s/m, and the largest penalization rate, 1/s.
     inertia: f64,
     largest: f64,
 }
@@ -208,7 +208,7 @@ where
     }
 }
 
-/// Adds the cells of moving bodies to the drag rate of the still ones, and removes them again.
+/// Adds the cells of moving bodies to the penalization rate of the still ones, and removes them again.
 ///
 /// The previous values are kept and restored in reverse order, so that painting leaves no rounding behind.
 #[derive(Clone, Debug, Default)]

@@ -4,7 +4,7 @@ use ::contact::{BodyContacts, BodyError, Obstacle, Part, PartMotion, Pose};
 
 use super::pose::pose_at;
 use super::rigid::Rigid;
-use crate::bodies::Carried;
+use crate::bodies::DisplacementHistory;
 use crate::error::Error;
 use crate::parameters::{Body, Contact, Parameters};
 use crate::space::{Freedoms, Kinematics, Space, Vector};
@@ -88,16 +88,16 @@ where
         c_0: f64,
         times: [f64; 2],
         rigid: &[Rigid<D>],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
     ) -> Result<Option<&[Freedoms]>, Error> {
         let Self { solver, obstacles, rigid: count } = self;
-        let mut carried = carried.iter();
+        let mut histories = histories.iter();
         for (k, own) in rigid.iter().enumerate() {
             let motion = solver.motion_mut(k);
             let body = own.body();
-            let before = match carried.as_slice().first().filter(|_| own.is_carried()) {
+            let before = match histories.as_slice().first().filter(|_| own.is_carried()) {
                 Some(known) => {
-                    carried.next();
+                    histories.next();
                     own.pose_of(&known.now)
                 }
                 None => pose_at(body, times[0]),

@@ -19,7 +19,7 @@ use crate::space::{Freedoms, Kinematics, Space, Vector, join, split};
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
-pub use ::rigid::{Carried, Drag, Pose};
+pub use ::rigid::{DisplacementHistory, Drag, Pose};
 use ::rigid::{Mass, MountedStep, SpringMotion};
 pub use beam::Beam;
 pub use cells::Cell;
@@ -46,7 +46,7 @@ where
     /// The beams with a mask.
     pub beams: Vec<Beam<D>>,
     zones: Vec<DrivingZone>,
-    /// Total drag rate Σ a_b, 1/s; absent without a solid.
+    /// Total penalization rate Σ a_b, 1/s; absent without a solid.
     rate: Option<Field<f64>>,
     painted: Painted,
     /// Loads of the next step on the bodies, where they are announced, with contact.
@@ -156,14 +156,14 @@ where
         }
     }
 
-    /// Return the grid points in which changing bodies are painted, with the total drag rate, 1/s. A point that two
-    /// bodies share is there twice.
+    /// Return the grid points in which changing bodies are painted, with the total penalization rate, 1/s. A point that
+    /// two bodies share is there twice.
     pub fn painted(&self) -> impl Iterator<Item = (usize, f64)> {
         let rate = self.rate.as_deref().unwrap_or_default();
         self.painted.points().map(|point| (point, rate[point]))
     }
 
-    /// Return the total drag rate Σ a_b, 1/s; none without a solid.
+    /// Return the total penalization rate Σ a_b, 1/s; none without a solid.
     pub fn rate(&self) -> Option<&[f64]> {
         self.rate.as_deref()
     }
@@ -201,7 +201,7 @@ where
     pub fn solve_motion<R: Real>(
         &mut self,
         c: [f64; 3],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
         ends: &[Pose<D>],
         u_star: impl Fn(usize, [f64; D]) -> [f64; D],
         w: &mut [Field<R>; D],
@@ -209,7 +209,7 @@ where
     ) {
         let Some(rate) = &self.rate else { return };
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
-        for ((rigid, carried), end) in bodies.zip(carried).zip(ends) {
+        for ((rigid, history), end) in bodies.zip(histories).zip(ends) {
             if rigid.is_thin() || !rigid.is_predicted() {
                 continue;
             }
@@ -218,8 +218,8 @@ where
             let mut drag = of_fluid;
             rigid.add_push(&mut drag);
             let change = rigid
-                .solve_springs(c, carried, self.density, &drag)
-                .unwrap_or_else(|| rigid.move_to(*end, c, carried, self.density));
+                .solve_springs(c, history, self.density, &drag)
+                .unwrap_or_else(|| rigid.move_to(*end, c, history, self.density));
             rigid.change_velocities(&change, c[0], rate, w);
             rigid.known = of_fluid.after(&change);
         }
@@ -269,11 +269,11 @@ where
         &mut self,
         c_0: f64,
         times: [f64; 2],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
         w: &mut [Field<R>; D],
     ) -> Result<(), Error> {
         let Self { contacts: Some(contacts), rigid, rate: Some(rate), density, .. } = self else { return Ok(()) };
-        let changes = contacts.solve(c_0, times, rigid, carried)?.unwrap_or_default();
+        let changes = contacts.solve(c_0, times, rigid, histories)?.unwrap_or_default();
         for (rigid, change) in rigid.iter_mut().zip(changes).filter(|(rigid, _)| rigid.mount().is_some()) {
             let fluid = rigid.displaced_mass(*density);
             if let Some(found) = &mut rigid.spring_motion {
@@ -291,20 +291,20 @@ where
         &mut self,
         rigid: usize,
         c: [f64; 3],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
         mut drag: Drag<D>,
         sliding: &[Freedoms; 6],
     ) -> Option<Freedoms> {
         let place = self.carried().position(|(own, _)| own == rigid)?;
-        let (own, carried) = (&mut self.rigid[rigid], &carried[place]);
+        let (own, history) = (&mut self.rigid[rigid], &histories[place]);
         let inertia = |acceleration: &Freedoms| inertia_of(sliding, acceleration);
-        let (predicted, now, before) = (own.pose.rates(), carried.now.rates(), carried.before.rates());
+        let (predicted, now, before) = (own.pose.rates(), history.now.rates(), history.before.rates());
         let expected = std::array::from_fn(|i| c[0] * predicted[i] - c[1] * now[i] - c[2] * before[i]);
         drag.force = drag.force.plus(&inertia(&expected));
         for (row, sliding) in drag.impedance.iter_mut().zip(sliding) {
             row.iter_mut().zip(sliding).for_each(|(entry, mass)| *entry += c[0] * mass);
         }
-        let change = own.solve_springs(c, carried, self.density, &drag)?;
+        let change = own.solve_springs(c, history, self.density, &drag)?;
         if let Some(found) = &mut own.spring_motion {
             found.unsteady = found.unsteady.plus(&inertia(&found.acceleration));
         }
@@ -332,10 +332,10 @@ where
     }
 
     /// Put the bodies whose loads are announced to where a step of `dt` seconds after one of `before` seconds puts them.
-    pub fn look_ahead(&mut self, carried: &[Carried<D>], dt: f64, before: f64, grid: &Grid<D>) {
-        for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
+    pub fn place_predicted(&mut self, histories: &[DisplacementHistory<D>], dt: f64, before: f64, grid: &Grid<D>) {
+        for (rigid, history) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(histories) {
             if rigid.announces() {
-                rigid.place(rigid.pose_of(&carried.predicted(dt, before)), grid);
+                rigid.place(rigid.pose_of(&history.predicted(dt, before)), grid);
             }
         }
     }
@@ -345,34 +345,45 @@ where
         self.announced.iter().flat_map(|(k, _)| self.rigid[*k].cells.iter())
     }
 
-    /// Announce the loads after [`Self::look_ahead`] in a step with the first coefficient `c_0` of the differences;
+    /// Announce the loads after [`Self::place_predicted`] in a step with the first coefficient `c_0` of the differences;
     /// `u_star` is `u*` at a grid point.
-    pub fn set_announced(&mut self, c_0: f64, carried: &[Carried<D>], u_star: impl Fn(usize) -> [f64; D]) {
+    pub fn set_announced(
+        &mut self,
+        c_0: f64,
+        histories: &[DisplacementHistory<D>],
+        u_star: impl Fn(usize) -> [f64; D],
+    ) {
         let Self { announced, of_fluid, rigid, rate: Some(rate), cell_mass, .. } = self else { return };
-        let bodies = rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried);
+        let bodies = rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(histories);
         let bodies = bodies.filter(|(rigid, _)| rigid.announces());
-        for ((rigid, carried), ((_, all), load)) in bodies.zip(announced.iter_mut().zip(of_fluid)) {
+        for ((rigid, history), ((_, all), load)) in bodies.zip(announced.iter_mut().zip(of_fluid)) {
             *load = rigid.drag(c_0, *cell_mass, rate, &u_star);
             // The cells have the predicted velocities.
-            let (predicted, kept) = (rigid.pose.rates(), carried.now.rates());
+            let (predicted, kept) = (rigid.pose.rates(), history.now.rates());
             let rises = load.impedance.map(|row| (0..6).map(|j| row[j] * (predicted[j] - kept[j])).sum::<f64>());
             let (force, moment) = split::<D>(&rises);
             load.force = load.force.plus(&Force { force, moment });
             *all = *load;
-            rigid.pose = rigid.pose_of(&carried.now);
+            rigid.pose = rigid.pose_of(&history.now);
         }
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by
     /// `displacements`, and write that; `dt` is its length, s, and `c` are the coefficients of the backward differences.
-    pub fn commit(&mut self, displacements: &[Pose<D>], dt: f64, c: [f64; 3], carried: &mut [Carried<D>]) {
+    pub fn commit(
+        &mut self,
+        displacements: &[Pose<D>],
+        dt: f64,
+        c: [f64; 3],
+        histories: &mut [DisplacementHistory<D>],
+    ) {
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
-        for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
+        for ((rigid, history), placed) in bodies.zip(histories).zip(displacements) {
             let (now, acceleration) = match &rigid.spring_motion {
                 Some(found) => (found.displacement, found.acceleration),
-                None => (*placed, carried.acceleration_to(placed, &c)),
+                None => (*placed, history.acceleration_to(placed, &c)),
             };
-            *carried = Carried { now, before: carried.now, acceleration };
+            *history = DisplacementHistory { now, before: history.now, acceleration };
             rigid.pose = rigid.pose_of(&now);
             let (rates, MountPush { velocities, change, .. }) = (rigid.pose.rates(), &mut rigid.push);
             (0..6).for_each(|i| change[i] += dt * (rates[i] - velocities[i]));
@@ -390,8 +401,8 @@ where
         MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams }
     }
 
-    /// Return the drag rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then to be
-    /// painted with [`Self::paint`].
+    /// Return the penalization rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then
+    /// to be painted with [`Self::paint`].
     pub fn split_still(&mut self) -> (Option<&[f64]>, MovingBodies<'_, D>) {
         if let Some(rate) = &mut self.rate {
             self.painted.erase(rate);
@@ -519,19 +530,25 @@ where
 {
     /// Find the motion of a body on springs under a drag, and return the change of its velocities; none if it is not on
     /// springs.
-    fn solve_springs(&mut self, c: [f64; 3], carried: &Carried<D>, density: f64, drag: &Drag<D>) -> Option<Freedoms> {
+    fn solve_springs(
+        &mut self,
+        c: [f64; 3],
+        history: &DisplacementHistory<D>,
+        density: f64,
+        drag: &Drag<D>,
+    ) -> Option<Freedoms> {
         let mount = *self.mount()?;
         let (fluid, predicted) = (self.displaced_mass(density), self.pose.rates());
         let Mount { mass, supports, .. } = &mount;
         let (inertia, weight) = (self.inertia_at_rest(mount.inertia), self.weight(&mount, &fluid));
-        let step = MountedStep { supports, carried, c, mass: *mass, inertia, fluid, weight, predicted };
+        let step = MountedStep { supports, history, c, mass: *mass, inertia, fluid, weight, predicted };
         let found = step.solve(drag);
         self.spring_motion = Some(found);
         Some(found.change)
     }
 
     /// Change the velocities of the cells in a step with the first coefficient `c_0` of the differences, where all bodies
-    /// have the drag rate `rate` (1/s), and add what that does to `u*` to `w`.
+    /// have the penalization rate `rate` (1/s), and add what that does to `u*` to `w`.
     fn change_velocities<R: Real>(&mut self, change: &Freedoms, c_0: f64, rate: &[f64], w: &mut [Field<R>; D]) {
         for cell in self.cells.iter_mut() {
             let share = cell.rate / (c_0 + rate[cell.index]);
@@ -555,7 +572,7 @@ where
     }
 
     /// Return the drag in a step with the first coefficient `c_0` of the differences, on cells of fluid of a mass (kg) at
-    /// the drag rate `rate` (1/s) of all bodies; `u_star` is `u*` at a grid point.
+    /// the penalization rate `rate` (1/s) of all bodies; `u_star` is `u*` at a grid point.
     fn drag(&self, c_0: f64, cell_mass: f64, rate: &[f64], u_star: impl Fn(usize) -> [f64; D]) -> Drag<D> {
         let mut drag = Drag::default();
         for cell in self.cells.iter() {
@@ -568,8 +585,8 @@ where
     }
 
     /// Move from the predicted place to a displacement, and return the change of the velocities.
-    fn move_to(&mut self, end: Pose<D>, c: [f64; 3], carried: &Carried<D>, density: f64) -> Freedoms {
-        let found = SpringMotion::given(end, c, carried, &self.displaced_mass(density), &self.pose.rates());
+    fn move_to(&mut self, end: Pose<D>, c: [f64; 3], history: &DisplacementHistory<D>, density: f64) -> Freedoms {
+        let found = SpringMotion::given(end, c, history, &self.displaced_mass(density), &self.pose.rates());
         self.spring_motion = Some(found);
         found.change
     }

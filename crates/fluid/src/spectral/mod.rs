@@ -10,7 +10,7 @@ mod volume_projection;
 
 use std::sync::{Mutex, PoisonError};
 
-use line_fft::{Arithmetic, Kernel, Pack, Real, Team, run};
+use line_fft::{Arithmetic, Kernel, Pack, Real, ThreadTeam, run};
 
 use crate::field::{Field, is_available};
 use crate::filter::Damping;
@@ -56,7 +56,7 @@ pub trait Transforms<R: Real, const D: usize>: Send {
     /// stays as it is. One thread runs `meanwhile` while the helpers begin.
     fn solve(
         &mut self,
-        team: &Team,
+        team: &ThreadTeam,
         implicit: &Implicit<D>,
         w: &[Field<R>; D],
         flow: &mut Flow<R, D>,

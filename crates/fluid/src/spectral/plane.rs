@@ -3,7 +3,7 @@
 use std::iter::repeat;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use line_fft::{Block, Fft2, Pack, Real, Scratch, Team, nothing, run};
+use line_fft::{Block, Fft2, Pack, Real, Scratch, ThreadTeam, nothing, run};
 
 pub use super::plane_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
@@ -45,7 +45,7 @@ impl<R: Real> PlaneTransforms<R> {
     /// `solve` while it is in the cache. One thread runs `meanwhile` while the helpers begin.
     pub fn solve_rows<T: Send>(
         &mut self,
-        team: &Team,
+        team: &ThreadTeam,
         w: &[Field<R>; 2],
         own: impl Iterator<Item = T> + Send,
         solve: impl Fn(&Projection<R>, usize, T, [&mut [Pack<R>]; 3]) + Sync,
@@ -83,7 +83,7 @@ impl<R: Real> PlaneTransforms<R> {
     }
 
     /// Write the flow of the spectra, and return its largest `|u|/dx + |v|/dy`, 1/s.
-    pub fn write(&mut self, team: &Team, flow: &mut Flow<R, 2>, timer: &mut PhaseTimer) -> f64 {
+    pub fn write(&mut self, team: &ThreadTeam, flow: &mut Flow<R, 2>, timer: &mut PhaseTimer) -> f64 {
         let Self { grid, fft, spectra: [u_hat, v_hat, omega_hat], blocks, .. } = self;
         let (ny, inv_spacing) = (grid.cells[1], grid.spacing.map(|spacing| R::rounded(1.0 / spacing)));
         let Flow { velocity: [u, v], vorticity } = flow;
@@ -149,7 +149,7 @@ impl<R: Real> Transforms<R, 2> for PlaneTransforms<R> {
 
     fn solve(
         &mut self,
-        team: &Team,
+        team: &ThreadTeam,
         implicit: &Implicit<2>,
         w: &[Field<R>; 2],
         flow: &mut Flow<R, 2>,

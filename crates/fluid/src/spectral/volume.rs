@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use line_fft::{Fft3, Pack, Real, Team, VolumeScratch, run};
+use line_fft::{Fft3, Pack, Real, ThreadTeam, VolumeScratch, run};
 
 use super::volume_projection::Projection;
 use super::{AdvectionRate, Implicit, SharedSum, Transforms, bound, worth, write_within};
@@ -25,7 +25,7 @@ pub struct VolumeTransforms<R: Real> {
 
 impl<R: Real> VolumeTransforms<R> {
     /// Write the flow of the spectra, and return its largest `|u|/dx + |v|/dy + |w|/dz`, 1/s.
-    fn write(&mut self, team: &Team, flow: &mut Flow<R, 3>) -> f64 {
+    fn write(&mut self, team: &ThreadTeam, flow: &mut Flow<R, 3>) -> f64 {
         let Self { spacing, fft, spectra, scratch, .. } = self;
         let Flow { velocity: [u, v, w], vorticity } = flow;
         let [ox, oy, oz] = &mut vorticity[..] else { return f64::NAN };
@@ -48,7 +48,7 @@ impl<R: Real> VolumeTransforms<R> {
         write: impl Fn(&Projection<R>, usize, usize, &mut [Vec<Pack<R>>; 6]) + Sync,
     ) {
         let Self { fft, projection, spectra, scratch, .. } = self;
-        let team = &Team::alone();
+        let team = &ThreadTeam::alone();
         fft.forward(team, of.each_ref().map(|field| &**field), spectra, scratch);
         fft.along_x(team, spectra, [0..3, 3..4], scratch, |row, j, lines| write(projection, row, j, lines));
         fft.inverse(team, [&*spectra[3]], [scalar], scratch, |_| ());
@@ -75,7 +75,7 @@ impl<R: Real> Transforms<R, 3> for VolumeTransforms<R> {
 
     fn solve(
         &mut self,
-        team: &Team,
+        team: &ThreadTeam,
         implicit: &Implicit<3>,
         w: &[Field<R>; 3],
         flow: &mut Flow<R, 3>,

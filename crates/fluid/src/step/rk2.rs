@@ -15,7 +15,7 @@
 use std::f64::consts::TAU;
 use std::mem::swap;
 
-use line_fft::{Arithmetic, Kernel, Pack, Real, Team, nothing, run};
+use line_fft::{Arithmetic, Kernel, Pack, Real, ThreadTeam, nothing, run};
 
 use super::substep::Substep;
 use super::{Scheme, StartVelocity, fill};
@@ -90,7 +90,13 @@ impl<R: Real> Rk2<R> {
 
     /// Make the flow after a stage from `w` in `next`, and return its advection rate, 1/s; not a number if it is not
     /// finite.
-    fn solve_stage(&mut self, team: &Team, stage: Stage, implicit: &Implicit<2>, problem: &mut Problem<2>) -> f64 {
+    fn solve_stage(
+        &mut self,
+        team: &ThreadTeam,
+        stage: Stage,
+        implicit: &Implicit<2>,
+        problem: &mut Problem<2>,
+    ) -> f64 {
         let (nx, points) = (problem.grid.cells[0], problem.grid.len() as f64);
         let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks_exact(nx));
         let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_exact_mut(nx));
@@ -153,7 +159,7 @@ impl<R: Real> Scheme<R, 2> for Rk2<R> {
         fill(&mut self.w, velocity, &problem.grid);
         let limit = f64::INFINITY;
         let implicit = Implicit { tau_nu: 0.0, cfl: 0.0, mean: problem.mean_velocity(present.time), limit };
-        present.advection_rate = self.solve_stage(&Team::alone(), Stage::Start, &implicit, problem);
+        present.advection_rate = self.solve_stage(&ThreadTeam::alone(), Stage::Start, &implicit, problem);
         self.take_over(flow);
     }
 

@@ -24,7 +24,7 @@ use std::borrow::Cow;
 use std::mem::swap;
 use std::ops::Range;
 
-use line_fft::{Arithmetic, F64_LANES, Kernel, Real, Team, from_f64s, nothing, run, to_f64s};
+use line_fft::{Arithmetic, F64_LANES, Kernel, Real, ThreadTeam, from_f64s, nothing, run, to_f64s};
 
 use super::substep::Substep;
 use super::{Scheme, StartVelocity, fill};
@@ -211,10 +211,10 @@ where
         let Problem { bodies, thin, grid, timer, .. } = problem;
         let time = step.end;
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.solve_motion(scheme.c, &present.carried, step.ends, u_star, w, grid);
-        bodies.solve_contact(scheme.c[0], [time - step.dt, time], &present.carried, w)?;
+        bodies.solve_motion(scheme.c, &present.histories, step.ends, u_star, w, grid);
+        bodies.solve_contact(scheme.c[0], [time - step.dt, time], &present.histories, w)?;
         thin.place(step.stations, &bodies.rigid, grid);
-        if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
+        if !thin.apply(scheme.c, &present.histories, bodies, u_star, w, grid) {
             return Err(Error::Markers { time });
         }
         timer.mark(Phase::Velocities);
@@ -235,12 +235,12 @@ where
         let Self { memory, transforms, w, .. } = self;
         let implicit = Implicit { tau_nu: scheme.tau * problem.nu, cfl: present.cfl(step.dt), mean, limit };
         let Problem { bodies, grid, timer, .. } = problem;
-        let look_ahead = || {
+        let find_cells_ahead = || {
             if let Some(ahead) = step.ahead {
-                bodies.beams.iter_mut().for_each(|beam| beam.look_ahead(ahead, step.stations, grid));
+                bodies.beams.iter_mut().for_each(|beam| beam.find_cells_ahead(ahead, step.stations, grid));
             }
         };
-        transforms.solve(step.team, &implicit, w, &mut memory.earlier, timer, look_ahead)
+        transforms.solve(step.team, &implicit, w, &mut memory.earlier, timer, find_cells_ahead)
     }
 
     /// Sum up the forces, and make the next flow with its advection rate (1/s) the present one.
@@ -317,7 +317,7 @@ where
         let mean = problem.mean_velocity(present.time);
         let implicit = Implicit { tau_nu: f64::MIN_POSITIVE * problem.nu, cfl: 0.0, mean, limit: f64::INFINITY };
         let Self { memory, transforms, w, .. } = self;
-        let (team, timer) = (&Team::alone(), &mut problem.timer);
+        let (team, timer) = (&ThreadTeam::alone(), &mut problem.timer);
         present.advection_rate = transforms.solve(team, &implicit, w, &mut memory.earlier, timer, nothing);
         self.take_over(flow, 0.0, 0.0);
     }
@@ -343,7 +343,7 @@ where
         let time = present.time + dt;
         let Problem { bodies, thin, grid, .. } = problem;
         bodies.beams.iter_mut().for_each(|beam| beam.move_ahead());
-        bodies.look_ahead(&present.carried, dt, present.step, grid);
+        bodies.place_predicted(&present.histories, dt, present.step, grid);
         bodies.sample(extrapolated(&scheme, flow, &self.memory));
         let Self { memory, w, source, .. } = self;
         let known = Known::of(flow, memory, source);
@@ -369,7 +369,7 @@ where
             w.iter_mut().zip(&u_star).for_each(|(w, u)| w[cell.index] = R::rounded(*u));
         }
         bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
-        bodies.set_announced(scheme.c[0], &present.carried, |point| w.each_ref().map(|w| w[point].to_f64()));
+        bodies.set_announced(scheme.c[0], &present.histories, |point| w.each_ref().map(|w| w[point].to_f64()));
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {
@@ -400,10 +400,10 @@ fn extrapolated<R: Real, const D: usize>(
     }
 }
 
-/// Write u* + tau G without the velocities of the bodies to `w`, with the drag rate `rate` (1/s); one thread runs
-/// `meanwhile`.
+/// Write u* + tau G without the velocities of the bodies to `w`, with the penalization rate `rate` (1/s); one thread
+/// runs `meanwhile`.
 fn solve_locally<R: Real, const D: usize>(
-    team: &Team,
+    team: &ThreadTeam,
     known: &Known<R, D>,
     scheme: &Differences,
     rate: Option<&[f64]>,
@@ -540,7 +540,7 @@ where
         })
     }
 
-    /// Return u* + tau G at point `i` without the velocities of the bodies, with their drag rate `rate` (1/s).
+    /// Return u* + tau G at point `i` without the velocities of the bodies, with their penalization rate `rate` (1/s).
     fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; D] {
         self.right_side(scheme, i).map(|(r, g)| R::rounded(r / (scheme.c[0] + rate) + scheme.tau * g))
     }

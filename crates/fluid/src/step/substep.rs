@@ -1,6 +1,6 @@
 //! One step of the fluid's own.
 
-use line_fft::Team;
+use line_fft::ThreadTeam;
 
 use crate::bodies::{Bodies, Placement, Pose};
 use crate::error::Error;
@@ -32,7 +32,7 @@ where
     /// Shortest step that the flow at the end may require, s.
     pub shortest: f64,
     /// Threads.
-    pub team: &'a Team,
+    pub team: &'a ThreadTeam,
 }
 
 impl<'a, const D: usize> Substep<'a, D>
@@ -62,7 +62,7 @@ where
     /// Make the end of the step, which has the coefficients `c` of the backward differences, the present time.
     pub fn commit(&self, c: [f64; 3], present: &mut Present<D>, bodies: &mut Bodies<D>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        bodies.commit(self.displacements, self.dt, c, &mut present.carried);
+        bodies.commit(self.displacements, self.dt, c, &mut present.histories);
         Stations::copy_all(&mut present.flexible.stations, self.stations);
     }
 }

@@ -38,7 +38,7 @@ impl<const D: usize> Default for Dragged<D> {
 }
 
 impl<const D: usize> Dragged<D> {
-    /// List those of some points where the drag rate of the masks (1/s) is not 0, with sums of 0.
+    /// List those of some points where the penalization rate of the masks (1/s) is not 0, with sums of 0.
     pub fn list(&mut self, points: &[usize], rate: Option<&[f64]>) {
         self.points.clear();
         if let Some(rate) = rate {
@@ -60,8 +60,8 @@ impl<const D: usize> MarkerDrag<D> {
     }
 
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
-    /// and `rate` the drag rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s). Return
-    /// whether the solution was found.
+    /// and `rate` the penalization rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s).
+    /// Return whether the solution was found.
     pub fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; D], grid: &Grid<D>) -> bool {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
         self.markers.pass(first, &mut self.right_side);

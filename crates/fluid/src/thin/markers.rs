@@ -45,7 +45,7 @@ pub struct Marker<const D: usize> {
     pub velocity: Vector<D>,
     /// Length or area that it stands for, m or m².
     pub measure: f64,
-    /// Drag rate of the line or surface, m/s.
+    /// Penalization rate of the line or surface, m/s.
     kappa: f64,
     /// Volume of the layer that moves with it, m³, or m² in the plane.
     pub layer: f64,
@@ -236,7 +236,8 @@ impl<const D: usize> Markers<D> {
         self.own[k].spans.each_ref().map(|(first, _)| *first)
     }
 
-    /// Return the inverse of the drag rate of a marker times what it stands for, for each axis: s/m² in two dimensions.
+    /// Return the inverse of the penalization rate of a marker times what it stands for, for each axis: s/m² in two
+    /// dimensions.
     pub fn inverse_drag(&self, k: usize) -> SMatrix<f64, D, D> {
         let Marker { measure, kappa, along, slip, .. } = &self.own[k];
         let [slip, across] = slip.resistances();

@@ -25,7 +25,7 @@ use line_fft::Real;
 use method::{ROD_RADIUS_CELLS, ROD_SECTION_CELLS};
 use nalgebra::SMatrix;
 
-use crate::bodies::{Bodies, Carried, MOST_TURNS, Rigid};
+use crate::bodies::{Bodies, DisplacementHistory, MOST_TURNS, Rigid};
 use crate::field::Field;
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
@@ -335,7 +335,7 @@ where
     pub fn apply<R: Real>(
         &mut self,
         c: [f64; 3],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
         bodies: &mut Bodies<D>,
         first: impl Fn(usize, [f64; D]) -> [f64; D],
         w: &mut [Field<R>; D],
@@ -345,7 +345,7 @@ where
             return true;
         }
         let first = |point: usize| first(point, std::array::from_fn(|axis| w[axis][point].to_f64()));
-        let found = self.drag.solve(c[0], bodies.rate(), first, grid) && self.solve_springs(c, carried, bodies);
+        let found = self.drag.solve(c[0], bodies.rate(), first, grid) && self.solve_springs(c, histories, bodies);
         if found {
             self.drag.glide();
             self.drag.spread(w, grid);
@@ -361,14 +361,14 @@ where
     /// Find the velocities of the bodies on springs together with the forces; return whether they were found.
     ///
     /// In turns, as those with a mask do, each answers what the others did to its markers.
-    fn solve_springs(&mut self, c: [f64; 3], carried: &[Carried<D>], bodies: &mut Bodies<D>) -> bool {
+    fn solve_springs(&mut self, c: [f64; 3], histories: &[DisplacementHistory<D>], bodies: &mut Bodies<D>) -> bool {
         let all = self.flexible.len()..self.bodies.len();
         let is_solved = |k: &usize| bodies.rigid[self.bodies[*k].number].mount().is_some();
         let turns = if all.clone().filter(is_solved).count() < 2 { 1 } else { MOST_TURNS };
         for turn in 0..turns {
             let mut changes = false;
             for k in all.clone() {
-                match self.solve_springs_of(k, turn == 0, c, carried, bodies) {
+                match self.solve_springs_of(k, turn == 0, c, histories, bodies) {
                     Some(own) => changes |= own,
                     None => return false,
                 }
@@ -387,7 +387,7 @@ where
         body: usize,
         first: bool,
         c: [f64; 3],
-        carried: &[Carried<D>],
+        histories: &[DisplacementHistory<D>],
         bodies: &mut Bodies<D>,
     ) -> Option<bool> {
         let thin = &self.bodies[body];
@@ -415,7 +415,7 @@ where
         }
         let MarkerDrag { markers, force: on_markers, .. } = &mut self.drag;
         let drag = rigid::drag(force, own.clone(), &centre, markers, &self.responses, self.density);
-        let change = answer.or_else(|| bodies.solve_springs_of(thin.number, c, carried, drag, &sliding));
+        let change = answer.or_else(|| bodies.solve_springs_of(thin.number, c, histories, drag, &sliding));
         if let Some(change) = change {
             bodies.rigid[thin.number].known = drag.after(&change);
             rigid::change(&change, own, &centre, &self.responses, markers, on_markers);
@@ -517,7 +517,7 @@ where
 
     /// Take off what each surface took of its loads in a step of `h` seconds between two places of all flexible bodies; of
     /// a first step, for which none are announced, nothing is owed.
-    pub fn settle(&mut self, h: f64, ends: [&[Stations<D>]; 2], loads: &[Loads<D>], owed: &mut [Freedoms]) {
+    pub fn subtract_taken(&mut self, h: f64, ends: [&[Stations<D>]; 2], loads: &[Loads<D>], owed: &mut [Freedoms]) {
         for (thin, number) in self.bodies.iter_mut().zip(&self.flexible) {
             if let Facing::Surface(_, Some(FlexibleSurface { taken, .. })) = &mut thin.facing {
                 let (loads, owed) = (&loads[*number], &mut owed[*number]);
@@ -531,7 +531,7 @@ where
     }
 
     /// Return the change of the velocity (m/s) of a node by which a flexible body, with these rates of the fluid and of
-    /// contact (kg/s) there, lowered its load of contact in the step of `h` seconds that has been settled.
+    /// contact (kg/s) there, lowered its load of contact in the step of `h` seconds of [`Self::subtract_taken`].
     pub fn taken(&self, h: f64, number: usize, node: usize, rates: [f64; 2], change: Vector<D>) -> Vector<D> {
         let place = self.flexible.iter().position(|known| *known == number);
         match place.map(|place| &self.bodies[place].facing) {

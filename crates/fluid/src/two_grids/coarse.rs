@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use line_fft::{Real, Team};
+use line_fft::{Real, ThreadTeam};
 
 use super::levels::CoarseScheme;
 use super::patch::Patch;
@@ -135,14 +135,14 @@ where
     }
 
     fn write_both_ends(&mut self) {
-        self.write_end(&Team::alone());
+        self.write_end(&ThreadTeam::alone());
         let [before, end] = &mut self.link.ends;
         before.copy_from_slice(end);
         self.background.now.copy_from_slice(end);
     }
 
     /// Write the coefficients of the flow to the last end.
-    fn write_end(&mut self, team: &Team) {
+    fn write_end(&mut self, team: &ThreadTeam) {
         self.scheme.find_g(team);
         let Self { background: Background { transfer, .. }, link, flow, scheme, patch, room, .. } = self;
         let (of_flow, of_g) = link.ends[1].split_at_mut(flow.fields().count() * transfer.len());
@@ -188,7 +188,7 @@ where
         transfer.place(moved);
         self.take_force();
         self.patch.solve();
-        self.write_end(&Team::alone());
+        self.write_end(&ThreadTeam::alone());
         let Self { background: Background { transfer, .. }, link, scheme, room, .. } = self;
         let ([from, to], before) = (&mut link.ends, &scheme.two_step().before);
         let first = before.fields().count() * transfer.len();
@@ -301,7 +301,7 @@ where
     }
 
     /// Write the coarse flow at a time (s) after the present one to `now`. Beyond its last step it is continued.
-    pub fn look(&mut self, after: f64) {
+    pub fn interpolate_at(&mut self, after: f64) {
         let Link { ends: [from, to], ahead, length, .. } = &self.link;
         let share = if *length == 0.0 { 1.0 } else { 1.0 - (ahead - after) / length };
         for (now, (from, to)) in self.background.now.iter_mut().zip(from.iter().zip(to)) {

@@ -24,6 +24,7 @@
 
 mod coarse;
 mod levels;
+mod nested;
 mod patch;
 mod transfer;
 
@@ -31,7 +32,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use line_fft::{Real, Team, nothing, run};
+use line_fft::{Real, ThreadTeam, nothing, run};
 
 use crate::error::Error;
 use crate::field::Field;
@@ -204,7 +205,7 @@ where
         let TwoStep { before, earlier, w, step_before, .. } = fine.two_step_mut();
         for (after, flow, mut w) in [(0.0, flow, Some(w)), (-step, before, None), (-step - *step_before, earlier, None)]
         {
-            coarse.look(after);
+            coarse.interpolate_at(after);
             for (component, field) in flow.fields_mut().enumerate() {
                 let mut w = w.as_mut().and_then(|w| w.get_mut(component));
                 coarse.background.for_each_of(component, points, &mut room[0].rows, |point, value| {
@@ -222,8 +223,8 @@ where
     }
 
     /// Find the force on the coarse fluid: the mean since its last step, and W u' over the time of crossing a cell.
-    fn gather(&mut self, team: &Team, flow: &Flow<R, D>, crossing_rate: f64) {
-        self.coarse.look(0.0);
+    fn gather(&mut self, team: &ThreadTeam, flow: &Flow<R, D>, crossing_rate: f64) {
+        self.coarse.interpolate_at(0.0);
         let Self { coarse, window, of_planes, room, .. } = self;
         let background = &coarse.background;
         let (transfer, of_plane) = (&background.transfer, background.transfer.plane_len());
@@ -258,7 +259,7 @@ where
     }
 
     /// Write −I G_c, and with `all` what a finer flow gives, to the given acceleration of the fine flow.
-    fn write_source(&mut self, team: &Team, all: bool) {
+    fn write_source(&mut self, team: &ThreadTeam, all: bool) {
         let Self { fine, coarse, below, room, .. } = self;
         let force = below.as_ref().filter(|_| all).map(|below| &below.force);
         let Some(source) = fine.source_mut() else { return };
@@ -280,7 +281,7 @@ where
 
     /// Take I U off `w` = u* + tau G, damp what is left of u* in the rim, and restrict what that takes in a step of `dt`
     /// with c_0 (1/s), and what a finer flow gives.
-    fn take_off(&mut self, team: &Team, flow: &Flow<R, D>, c_0: f64, dt: f64, crossing_rate: f64) {
+    fn take_off(&mut self, team: &ThreadTeam, flow: &Flow<R, D>, c_0: f64, dt: f64, crossing_rate: f64) {
         for (left, share) in self.left.iter_mut().flatten().zip(self.damping.iter().flatten()) {
             *left = 1.0 / (1.0 + DAMPING * crossing_rate * share / c_0);
         }
@@ -331,7 +332,7 @@ where
     }
 
     /// Add the coarse flow to the new fine one and to `w`, and return the advection rate of the sum, 1/s.
-    fn add_coarse(&mut self, team: &Team) -> f64 {
+    fn add_coarse(&mut self, team: &ThreadTeam) -> f64 {
         let Self { fine, coarse, room, spacing, .. } = self;
         let background = &coarse.background;
         let (transfer, (w, next)) = (&background.transfer, fine.solved());
@@ -420,7 +421,7 @@ where
         problem: &mut Problem<D>,
     ) -> Result<(), Error> {
         let crossing_rate = self.crossing_rate(present);
-        self.coarse.look(step.dt);
+        self.coarse.interpolate_at(step.dt);
         self.write_source(step.team, true);
         let scheme = self.fine.solve_in_space(step, flow, present, problem)?;
         self.check_places(step.end, problem, step.stations)?;
@@ -508,7 +509,7 @@ where
         present: &mut Present<D>,
         problem: &mut Problem<D>,
     ) {
-        let team = &Team::alone();
+        let team = &ThreadTeam::alone();
         self.coarse.start(velocity, present.time);
         let background: [_; D] = std::array::from_fn(|axis| {
             let Self { coarse: Coarse { background, .. }, room, .. } = self;
@@ -543,7 +544,7 @@ where
     }
 
     fn predict_loads(&mut self, dt: f64, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
-        let (team, max_cfl) = (&Team::alone(), self.max_cfl);
+        let (team, max_cfl) = (&ThreadTeam::alone(), self.max_cfl);
         let end = present.time + dt;
         let step = Substep {
             dt,
@@ -559,7 +560,7 @@ where
         // A load that is announced is that of the coming step, which may begin with a coarse one.
         let is_ahead =
             problem.bodies.announce() && self.coarse.is_behind(dt) && self.step_coarse(&step, flow, present).is_ok();
-        self.coarse.look(dt);
+        self.coarse.interpolate_at(dt);
         if is_ahead {
             self.coarse.undo();
         }
@@ -568,7 +569,7 @@ where
     }
 
     fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, problem: &mut Problem<D>) -> &[R] {
-        self.coarse.look(0.0);
+        self.coarse.interpolate_at(0.0);
         let of_force = self.coarse.write_pressure(&mut self.pressure);
         let Self { fine, coarse, room, pressure, .. } = self;
         let (background, rows) = (&coarse.background, &mut room[0].rows);
@@ -641,7 +642,7 @@ where
     }
 
     fn divergence(&mut self, velocity: &[Field<R>; D]) -> &[R] {
-        self.coarse.look(0.0);
+        self.coarse.interpolate_at(0.0);
         let Self { fine, coarse, room, .. } = self;
         fine.divergence_without(velocity, |w| {
             take_off_all(&coarse.background, w, &mut room[0].rows);

@@ -1,6 +1,6 @@
 //! The pressure of the exchanged force in the fine box, on its coarse cells.
 
-use line_fft::{Real, Team, nothing};
+use line_fft::{Real, ThreadTeam, nothing};
 
 use crate::field::Field;
 use crate::filter::Damping;
@@ -56,7 +56,7 @@ where
         let implicit = Implicit { tau_nu: f64::MIN_POSITIVE, cfl: 0.0, mean: None, limit: f64::INFINITY };
         let Self { transforms, force, without_gradient, .. } = self;
         let timer = &mut PhaseTimer::default();
-        transforms.solve(&Team::alone(), &implicit, force, without_gradient, timer, nothing);
+        transforms.solve(&ThreadTeam::alone(), &implicit, force, without_gradient, timer, nothing);
     }
 
     /// Return a component of the gradient at a point, m/s².

@@ -1,4 +1,4 @@
-//! The drag rate a(d) as a function of the signed distance to the surface of a solid.
+//! The penalization rate a(d) as a function of the signed distance to the surface of a solid.
 //!
 //! The penalized momentum equation is `∂u/∂t + … = −a(d) (u − u_s)` with d > 0 in the fluid. A mask chi has
 //! a = chi / C_eta. No-slip must hold at d = 0 for every profile: the shifts make it hold in linear shear.
@@ -99,7 +99,7 @@ impl DragProfile {
         }
     }
 
-    /// Return the drag rate at signed distance `d` (m, positive in the fluid), 1/s.
+    /// Return the penalization rate at signed distance `d` (m, positive in the fluid), 1/s.
     pub fn rate(&self, d: f64) -> f64 {
         match *self {
             Self::Sharp { rate, offset } => {

@@ -43,7 +43,7 @@ pub struct WallTarget {
     pub cell: f64,
     /// Drag added per velocity through the surface, over the drag of the profile, s/m.
     pub inertia: f64,
-    /// Largest drag rate, 1/s.
+    /// Largest penalization rate, 1/s.
     pub largest: f64,
 }
 

@@ -292,7 +292,7 @@ fn step_that_would_gain_energy_ends_with_an_error_and_the_state_as_it_was() {
     let mut rod = calm_rod(Scheme::GeneralisedAlpha { rho_inf: 0.9 });
     (rod.loads.force[64], rod.loads.force[2 * 65 - 1]) = (-1e4, 100.0);
     let error = largest_rise(&mut rod, 0.1, 100, |_, _| false).unwrap_err();
-    let Error::Own(RodError::EnergyGain { scheme, .. }) = error else { panic!("{error}") };
+    let Error::Structure(RodError::EnergyGain { scheme, .. }) = error else { panic!("{error}") };
     assert_eq!(scheme, Scheme::GeneralisedAlpha { rho_inf: 0.9 });
 }
 

@@ -95,7 +95,7 @@ pub fn throw(seed: u64) -> Result<[f64; 3], String> {
     for step in 0..300 {
         match wing.step(STEP) {
             // So far the model goes.
-            Err(Error::Own(WingError::Fold { .. })) => break,
+            Err(Error::Structure(WingError::Fold { .. })) => break,
             done => done.map_err(|error| format!("case {seed}, step {step}: {error}"))?,
         }
         gain = gain.max((energy(&mut wing) - start) / scale);

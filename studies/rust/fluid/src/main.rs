@@ -19,7 +19,7 @@ use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::internals::{Implicit, Phase, Projection};
 use nervure_fluid::{Filter, Fluid, Parameters};
-use line_fft::{Fft2, Fft3, Real, Scratch, Team};
+use line_fft::{Fft2, Fft3, Real, Scratch, ThreadTeam};
 use scene::{Precision, Scene};
 
 use machine::{Clock, Fused};
@@ -170,7 +170,7 @@ fn volume<R: Real>(library: &Library, precision: &str, table: &mut Table) {
         let kept = kept.map(|k| (0..=ny / 2).take_while(|j| share(*j, ny) + share(k, nz) < 1.0).count()).collect();
         let fft = Fft3::<R>::new(shape, kept);
         let (mut spectra, mut scratch): ([_; 6], _) = (from_fn(|_| fft.spectrum()), vec![fft.scratch::<6>()]);
-        let (mut fields, team): ([_; 6], _) = (from_fn(|_| vec![R::zero(); points]), Team::alone());
+        let (mut fields, team): ([_; 6], _) = (from_fn(|_| vec![R::zero(); points]), ThreadTeam::alone());
         let mut ours = || {
             fft.forward(&team, [&field[..]; 3], &mut spectra, &mut scratch);
             fft.along_x(&team, &mut spectra, [0..3, 0..6], &mut scratch, |_, _, _| ());

@@ -20,8 +20,8 @@ pub struct Work {
 }
 
 /// The phases that go through whole arrays, and the bytes of all arrays of a step: the flow and w at two times, the
-/// drag rate, three spectra and the coefficients of their modes. In a step each is used once or twice, so what a phase
-/// reads comes from where as much as that has room.
+/// penalization rate, three spectra and the coefficients of their modes. In a step each is used once or twice, so what a
+/// phase reads comes from where as much as that has room.
 pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([Work; 4], f64) {
     let points = (nx * ny) as f64;
     // Bytes of a field, of one in double precision whatever that of the others, and of a spectrum without the modes
@@ -39,7 +39,7 @@ pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([W
     let phases = [
         Work {
             phase: Phase::Solve,
-            // Reads u, v and omega of two times, both w and the drag rate; writes the next w.
+            // Reads u, v and omega of two times, both w and the penalization rate; writes the next w.
             moved: 8.0 * field + wide + 2.0 * 2.0 * field,
             // A component: twice omega × u (2 each), G (2), the right-hand side (8), the solve (4).
             flops: 2.0 * 18.0 * points,

@@ -73,8 +73,8 @@ fn run<const D: usize>(mut rod: Rod<D>, dt: f64, steps: usize, push: [f64; D], u
 fn cause(error: &Error) -> &'static str {
     match error {
         Error::NotConverged { .. } => "not converged",
-        Error::Own(RodError::Shape(_)) => "folds back",
-        Error::Own(RodError::EnergyGain { .. }) => "stopped for a gain of energy",
+        Error::Structure(RodError::Shape(_)) => "folds back",
+        Error::Structure(RodError::EnergyGain { .. }) => "stopped for a gain of energy",
         _ => "refused",
     }
 }

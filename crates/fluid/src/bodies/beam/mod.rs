@@ -38,7 +38,7 @@ where
     pose: BeamPose<D>,
     /// The pose after the coming step, and whether it has been found.
     ahead: BeamPose<D>,
-    looked_ahead: bool,
+    is_ahead_found: bool,
     search: Search,
 }
 
@@ -68,35 +68,35 @@ where
     ) -> Self {
         let pose = BeamPose::new(length, thickness);
         let (mask, search) = (BeamMask::new(thickness, support, grid.cell_size(), mask, nu), Search::new(grid));
-        Self { number, mask, ahead: pose.clone(), looked_ahead: false, pose, search }
+        Self { number, mask, ahead: pose.clone(), is_ahead_found: false, pose, search }
     }
 
     /// Move from the stations `before` to `stations`, of which there is a list for each flexible body.
     pub fn place(&mut self, stations: &[Stations<D>], before: &[Stations<D>], grid: &Grid<D>) {
-        let Self { number, mask, pose, looked_ahead, search, .. } = self;
-        *looked_ahead = false;
+        let Self { number, mask, pose, is_ahead_found, search, .. } = self;
+        *is_ahead_found = false;
         pose.find_cells(mask, search, &stations[*number], &before[*number], grid);
     }
 
     /// Find the cells at the stations `ahead`, to which the beam moves from `stations`, for [`Self::move_ahead`].
-    pub fn look_ahead(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
-        let Self { number, mask, ahead: pose, looked_ahead, search, .. } = self;
+    pub fn find_cells_ahead(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
+        let Self { number, mask, ahead: pose, is_ahead_found, search, .. } = self;
         pose.find_cells(mask, search, &ahead[*number], &stations[*number], grid);
-        *looked_ahead = true;
+        *is_ahead_found = true;
     }
 
-    /// Look ahead once more, if the beam did, after a step that leads elsewhere.
-    pub fn look_again(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
-        if self.looked_ahead {
-            self.look_ahead(ahead, stations, grid);
+    /// Find the cells ahead once more, if they were found, after a step that leads elsewhere.
+    pub fn find_cells_ahead_again(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
+        if self.is_ahead_found {
+            self.find_cells_ahead(ahead, stations, grid);
         }
     }
 
-    /// Move to where [`Self::look_ahead`] looked; the cells then sample and are painted.
+    /// Move to the stations of [`Self::find_cells_ahead`]; the cells then sample and are painted.
     pub fn move_ahead(&mut self) {
-        if self.looked_ahead {
+        if self.is_ahead_found {
             swap(&mut self.pose, &mut self.ahead);
-            self.looked_ahead = false;
+            self.is_ahead_found = false;
         }
     }
 

@@ -1,4 +1,4 @@
-//! A body between two steps.
+//! What a two-step scheme knows of the displacement of a body.
 
 use std::array::from_fn;
 
@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::kinematics::{Freedoms, Kinematics};
 use crate::pose::Pose;
 
-/// Displacement of a body that laws do not move, from its place at rest.
+/// Displacement of a body that laws do not move, from its place at rest, at two times.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Carried<const D: usize>
+pub struct DisplacementHistory<const D: usize>
 where
     [f64; D]: Kinematics<D>,
 {
@@ -21,7 +21,7 @@ where
     pub acceleration: Freedoms,
 }
 
-impl<const D: usize> Default for Carried<D>
+impl<const D: usize> Default for DisplacementHistory<D>
 where
     [f64; D]: Kinematics<D>,
 {
@@ -30,7 +30,7 @@ where
     }
 }
 
-impl<const D: usize> Carried<D>
+impl<const D: usize> DisplacementHistory<D>
 where
     [f64; D]: Kinematics<D>,
 {
@@ -93,8 +93,8 @@ mod tests {
             }
             Pose::<D>::new(&places, &rates(t))
         };
-        let carried = Carried { now: pose(0.2), before: pose(0.2 - h), acceleration: [0.0; 6] };
-        let (found, expected) = (carried.predicted(0.7 * h, h), pose(0.2 + 0.7 * h));
+        let history = DisplacementHistory { now: pose(0.2), before: pose(0.2 - h), acceleration: [0.0; 6] };
+        let (found, expected) = (history.predicted(0.7 * h, h), pose(0.2 + 0.7 * h));
         let pairs = [(found.places(), expected.places()), (found.rates(), expected.rates())];
         let difference = |(a, b): (Freedoms, Freedoms)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         pairs.map(difference).iter().sum::<f64>().sqrt()
