@@ -146,5 +146,5 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 
 def study(others: Iterable[Study]) -> Study:
-    tables = {"right": every, "worst": worst, "headlines": headlines}
+    tables: dict[str, Callable[[Data], Any]] = {"right": every, "worst": worst, "headlines": headlines}
     return Study("scenes", cases_beside(others), extract, tables, draw)
