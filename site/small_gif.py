@@ -30,5 +30,5 @@ def shrink(source: Path, target: Path) -> None:
 
 if __name__ == "__main__":
     run, gallery = map(Path, sys.argv[1:])
-    name = f"{re.sub(r'-[0-9]+x[0-9]+$', '', run.name)}.gif"
+    name = f"{re.sub(r'-[0-9]+(x[0-9]+)+$', '', run.name)}.gif"
     shrink(next(run.glob("*.gif")), gallery / name if gallery.is_dir() else gallery)
