@@ -139,10 +139,9 @@ class Pair:
     sources: tuple[str, ...] = FLUID
 
 
-def sheds(series: Series, begin: float, force: str = "drag") -> dict[str, float]:
+def sheds(series: Series, begin: float) -> dict[str, float]:
     """Return mean drag coefficient and amplitude of the lift coefficient from `begin` (s) on."""
-    late = series["time"] >= begin
-    return {"cD": 2 * float(series[force][late].mean()), "±cL": 2 * flapping.swing(series, "lift", begin)["amplitude"]}
+    return means(series, begin, 2.0, cD="drag") | {"±cL": 2 * flapping.swing(series, "lift", begin)["amplitude"]}
 
 
 def means(series: Series, begin: float, scale: float, **columns: str) -> dict[str, float]:
