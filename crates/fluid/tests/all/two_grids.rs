@@ -542,6 +542,7 @@ fn a_box_that_moves_leaves_no_mark_in_the_force() {
             fluid.restore(&ahead).unwrap_or_else(|e| panic!("{e}"));
         }
         let grids = (parameters.fine_box, parameters.middle_box);
+        println!("{grids:?}: {moves} moves, a mark of {largest:.2e} of the drag");
         assert!(moves > 4 && largest < tolerance, "{grids:?}: {moves} moves, a mark of {largest:.2e} of the drag");
     }
 }
