@@ -18,7 +18,7 @@ RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 # A shell that forbids bytecode would let each of some hundred starts of Python compile all that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test rust-lint lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test style rust-test rust-lint lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -59,9 +59,11 @@ units: $(READY) ## pack the FMUs of SCENE=scenes/NAME.json into results/NAME
 build: ## build the libraries of the units
 	cargo build --release --locked
 
-test: ## run everything that has to pass: the checks of style beside the build and the tests in Rust, then pytest
-	$(MAKE) lint rust-lint & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
+test: ## build and run all tests: those in Rust beside the set-up of Python, then pytest
+	@$(MAKE) $(READY_DEV) & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
 	$(MAKE) python-test
+
+style: rust-lint lint ## check style, types and layers of all code
 
 # In the release profile, and the tool apart: so the tests share what the build made, with its features.
 TOOL := nervure-cargo-fmu
