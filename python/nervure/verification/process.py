@@ -28,6 +28,7 @@ START = 3.0  # Wall time that workers take to start, s, until it is measured
 WORTH = 3  # Ratio to it of the wall time of runs from which on workers make them, not this process in turn
 TRIAL = 0.25  # Largest part of the budget that the first run may take
 ALIKE, MAIN = 0.3, 3  # Largest relative difference of runs of the same flow, in so many of the first quantities
+REGULAR = 0.1  # Largest relative statistical error of a run beside which others change
 LEAST = 3  # Runs of the first parameter that are enough
 ROUNDS = 10  # Most rounds of a verification
 TRIED = 0.15  # Wall time of the steps that measure the pace, s
@@ -325,7 +326,7 @@ class Verification:
 
     def _base(self) -> Setting | None:
         """Return the setting beside which the other parameters vary: the coarsest one with a run for them already, or
-        else the coarsest one, whose values are `ALIKE` those of the finest run; None before any run."""
+        else the coarsest one, whose values are `ALIKE` those of the finest run and regular; None before any run."""
         if not (sequence := self._sequence()):
             return None
         coarse = [one for one in reversed(sequence) if one.sizes[self.plan.first.name] >= 1.0] or sequence[:1]
@@ -336,10 +337,15 @@ class Verification:
         return (used or alike)[0]
 
     def _is_alike(self, setting: Setting, finest: Setting) -> bool:
-        """Return whether the main values of two runs are of the same flow."""
+        """Return whether the main values of two runs are of the same flow, and their scatter in the first is small."""
         row, best = self.rows[setting.name], self.rows[finest.name]
-        pairs = [(row.get(name), best[name]) for name in self.names if best.get(name) is not None]
-        return all(one is not None and abs(one - other) <= ALIKE * abs(other) for one, other in pairs[:MAIN])
+        main = [name for name in self.names if best.get(name) is not None][:MAIN]
+        return all(
+            row.get(name) is not None
+            and abs(row[name] - best[name]) <= ALIKE * abs(best[name])
+            and self.noise.get((setting.name, name), 0.0) <= REGULAR * abs(best[name])
+            for name in main
+        )
 
     def _beside(self, parameter: Parameter) -> list[Setting]:
         """Return the finished settings in which at most `parameter` differs from the coarse one, or where it did not
