@@ -253,6 +253,16 @@ def test_a_parameter_of_small_effect_on_a_coarse_run_is_not_varied_on_a_finer_on
     assert ("cells=1.41,c_eta=2" in wanted) == again
 
 
+@pytest.mark.parametrize(("scatter", "beside"), [(0.05, "cells=2.83"), (0.3, "cells=2")])
+def test_other_parameters_vary_beside_a_run_that_hardly_scatters(tmp_path, scatter, beside):
+    flag = known_flag(tmp_path, 0.0)
+    del flag.rows["cells=2.83,c_eta=2"], flag.settings["cells=2.83,c_eta=2"]
+    for row in flag.rows.values():
+        row["drag_mean"] = 1.0
+    flag.noise["cells=2.83", "drag_mean"] = scatter
+    assert flag._base().name == beside
+
+
 def test_what_makes_most_of_a_bar_is_varied_on_however_many_small_bars_make_it(tmp_path):
     """Three bars of two thirds of the tolerance make one that is too wide, and none alone is much."""
     flag = known_flag(tmp_path, 1e-3)
