@@ -135,3 +135,28 @@ def beside(data: Data) -> list[dict[str, Any]]:
 
 
 STUDY = Study("slit", cases, lambda case, run: run.found, {"slit": beside})
+
+NUMBERS, BESIDE, OWN = (10, 100, 1000), (8, 12, 24, 48), 96  # Reynolds numbers, cells a chord, and those of the finest
+
+
+def by_reynolds() -> Iterator[Case]:
+    for reynolds, angle, cells in product(NUMBERS, ANGLES, (*BESIDE, OWN)):
+        own = changes(angle, cells) | {"fluid.kinematic_viscosity": 1 / reynolds}
+        about = {"reynolds": reynolds, "angle": angle, "cells": cells, "time": "mean"}
+        yield Case(f"Re {reynolds}/{angle}°, {cells}", FLUID, SCENE, own, action=measured, about=about)
+
+
+def beside_finest(data: Data) -> list[dict[str, Any]]:
+    """Return the errors of each Reynolds number and angle beside the finest cells, by cells a chord."""
+    rows = []
+    for (reynolds, angle), records in show.grouped((r.view for r in data.of("slip/*")), "reynolds", "angle").items():
+        names = ("cd",) if angle in (0, 90) else ("cd", "cl")
+        finest = records[-1]
+        row = {"reynolds": reynolds, "angle": f"{angle}°"} | {name: finest[name] for name in names}
+        for record in records[:-1]:
+            row |= {f"{name}_{record['cells']}": record[name] / finest[name] - 1 for name in names}
+        rows.append(row)
+    return rows
+
+
+SLIP = Study("slip", by_reynolds, lambda case, run: run.found, {"slip": beside_finest})

@@ -29,7 +29,7 @@ SCALE = pi / 4
 DRAG = {50: 1.581, 100: 1.102}  # Drag coefficients of a sphere by Re (Johnson & Patel 1999)
 PLATES = {90: (1.527, 0.069), 60: (1.145, 0.588), 30: (0.639, 0.758)}
 """Coefficients of drag and lift of a plate of aspect 2 by its angle, ° (Taira et al. 2007, digitised)."""
-THRUST = {"ct": 1.04, "cl_rms": 2.817, "cs_rms": 1.600}
+THRUST = {"ct": 1.04, "cl_rms": 2.817, "cs_rms": 1.600, "efficiency": 0.173}
 """Of the plate that rolls and pitches, over its fifth period: the thrust extrapolated from PetIBM on up to 200 cells
 (1.02 to 1.06), the others on 200 (Mesnard & Barba 2021)."""
 SPEEDS = {0.6: (8e-5, 0.08), 1.1: (4e-5, 0.05), 1.6: (2.5e-5, 0.045), 2.1: (1.6e-5, 0.04)}
@@ -64,6 +64,38 @@ def fine(ratio: int, step: float) -> Changes:
     c_eta = 1e-4 * (4 / ratio) ** 2  # As that of 24 cells a chord on one grid
     box = {"fluid.fine_box": FINE_BOX | {"ratio": ratio}, "fluid.mask.log_linear.c_eta": c_eta}
     return grid([96, 72, 72], step) | box
+
+
+SLOW, DISTANCE = 0.02, 6.0  # Reynolds number of the disk, and of its images, diameters
+DISKS = {"broadside": (16.0, {"axis": [0.0, 0.0, 1.0], "angle": pi / 2}), "edgewise": (32 / 3, {})}
+"""Drag of a disk in slow flow by viscosity, radius and speed (Oberbeck 1876), and its turn from the normal y."""
+
+
+def disk(attitude: str, cells: int) -> Changes:
+    """Return the changes to a disk in slow flow, among its periodic images, with `cells` across it."""
+    ratio, half = (2, 1.5) if cells >= 16 else (1, 0.0)
+    changes: Changes = dict.fromkeys(("fluid.sponge", "fluid.fine_box"), "absent")
+    if ratio > 1:
+        changes["fluid.fine_box"] = {axis: [-half, half] for axis in "xyz"} | {"ratio": ratio}
+    box = {axis: [-DISTANCE / 2, DISTANCE / 2] for axis in "xyz"} | {"cells": [int(DISTANCE) * cells // ratio] * 3}
+    steps = dict.fromkeys(("time.communication_step", "fluid.time_stepping.max_step"), SLOW / 10)
+    body = {"shape": {"disk": {"radius": 0.5}}, "position": [0.013, 0.007, 0.011]}
+    return changes | steps | {
+        "time.end": 10 * SLOW,
+        "fluid.kinematic_viscosity": 1 / SLOW,
+        "fluid.box": box,
+        "fluid.bodies": [body | ({"turn": DISKS[attitude][1]} if DISKS[attitude][1] else {})],
+        "fluid.mask.log_linear.c_eta": 1e-8,
+        "fluid.precision": "double",
+        "fluid.threads": 1,
+    }  # fmt: skip
+
+
+def drag_among_images(alone: float) -> float:
+    """Return the drag of a body in a cubic array, whose drag alone is `alone` times viscosity, radius and speed, as a
+    coefficient (Hasimoto 1959, for a sphere of the same drag)."""
+    share = alone * 0.5 / (6 * pi) / DISTANCE
+    return alone * 0.5 / SLOW / (1 - 2.8373 * share + 4.19 * share**3)
 
 
 SHEET = {"fluid.bodies.0.shape": {"plate": {"length": 1.0, "width": 2.0}}}
@@ -109,6 +141,7 @@ CASES: dict[str, tuple[str, Changes]] = {
         PLATE,
         {f"fluid.box.{axis}": [-4.5, 4.5] for axis in "yz"} | grid([96, 108, 108], 0.025),
     ),
+    **{f"disk/{name}, {n} cells": (STREAM, disk(name, n)) for name in DISKS for n in (8, 12, 16, 24)},
 }
 
 
@@ -197,6 +230,8 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
         values = {"angle": found, "tip_speed": speed}
     elif case.scene == ROLLING:
         values = rolling(done)
+    elif case.name.startswith("disk"):
+        values = {"drag": float(done.series["drag"][-1])}
     elif case.scene == PLATE:
         values = {"cd": float(done.series["drag"][-1]), "cl": float(done.series["lift"][-1])}
     else:
@@ -229,6 +264,8 @@ def expected(name: str) -> dict[str, float]:
         return {"angle": law(float(said.split()[-1]), 4e-4)}
     if group == "rolling":
         return THRUST
+    if group == "disk":
+        return {"drag": drag_among_images(DISKS[said.split(",")[0]][0])}
     if group in ("plate", "sheet"):
         angle = int(said.split("°")[0])
         return dict(zip(("cd", "cl") if angle < 90 else ("cd",), PLATES[angle]))

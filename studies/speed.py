@@ -76,6 +76,24 @@ def rooflines(data: Data) -> list[dict[str, Any]]:
     return rows
 
 
+def in_space(data: Data) -> list[dict[str, Any]]:
+    """Return the phases of a step in space that take a hundredth of it or more: ms on one thread and on two, bytes, and
+    the share of the machine's bandwidth that a thread reaches."""
+    rows = []
+    for line in found(data, "roofline-space"):
+        names = [name.removesuffix(": one thread") for name in line if name.endswith(": one thread")]
+        for name in names:
+            one, two = (line[f"{name}: {threads}"] / 1e3 for threads in ("one thread", "two threads"))
+            if one < line["step: one thread"] / 1e5:
+                continue
+            row = {"grid": f"{line['grid']}, {line['scene']}", "phase": name, "one": one, "two": two, "gain": one / two}
+            if moved := line.get(f"{name}: moved"):
+                rate = moved / one
+                row |= {"moved": moved, "must": line[f"{name}: must"], "rate": rate, "share": rate / line["bandwidth"]}
+            rows.append(row)
+    return rows
+
+
 TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-pairs": partial(found, table="pair"),
     "speed-steps": partial(found, table="step"),
@@ -83,6 +101,7 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,
     "speed-roofline": rooflines,
+    "speed-space": in_space,
     "speed-bandwidth": lambda data: [row for row in rooflines(data) if row["part"] == "all four"],
 }
 STUDY = Study("fluid-speed", cases, extract, TABLES)

@@ -1,8 +1,9 @@
-"""A cylinder and a plate on a fine box of cells in a coarse domain, beside one grid of the fine cells."""
+"""Bodies, flags and wings in a fine box of cells in a coarse domain, beside one grid of the fine cells."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import product
 from math import pi, radians
@@ -10,8 +11,11 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+import numpy as np
+
 from nervure.evaluate.statistics import Series
-from studies import flapping, simulate
+from nervure.output.forecast import resident_memory
+from studies import flapping, simulate, wing
 from studies.engine import COUPLED, FLUID, Case, Study
 from studies.store import Data
 
@@ -73,12 +77,19 @@ BOXES: dict[str, list[list[float]]] = {
     "8 x 6": [[-3.0, 5.0], [-3.0, 3.0]],
     "12 x 8": [[-4.0, 8.0], [-4.0, 4.0]],
 }
-"""Ends of the fine box by its size, lengths of the body."""
+"""Ends of the fine box from the middle of the body by its size, lengths of the body."""
 SHAPES: dict[str, dict[str, Any]] = {
     "cylinder": {"shape": {"circle": {"radius": 0.5}}},
     "plate": {"shape": {"plate": {"length": 1.0}}, "motion": {"angle": {"constant": -radians(30)}}},
 }
 ONE, CELLS, END, WINDOW = "one grid", 16, 20.0, 4.0  # Cells a length; time and its last part that counts, s
+FLAG: dict[str, Any] = simulate.on_grid(512, 256, 0.006) | {
+    "fluid.box.x": [-6.0, 10.0],
+    "fluid.box.y": [-4.0, 4.0],
+    "fluid.sponge.x": [8.4, 10.0],
+    "beam.segments": 40,
+}
+"""A flag on twice the cells a length, in 16 x 8 lengths."""
 FEWEST = 6.0  # Large cells between the body and the ends of the box: 5 are refused
 
 
@@ -99,6 +110,13 @@ def sizes() -> Iterator[Case]:
         }
         about = {"shape": name, "size": size, "ratio": ratio}
         yield Case(f"{name}/{size}, {ratio}", FLUID, SCENE, changes, action=steady, about=about)
+    for size, ratio in [(ONE, 1), *boxes[:-2]]:
+        changes = FLAG | {"fluid.box.cells": [512 // ratio, 256 // ratio]}
+        if ratio > 1:
+            (low, high), y = BOXES[size]
+            changes["fluid.fine_box"] = {"x": [low + 0.5, high + 0.5], "y": y, "ratio": ratio}
+        about = {"shape": "flag", "size": size, "ratio": ratio}
+        yield Case(f"flag/{size}, {ratio}", COUPLED, "flag-line-480x240", changes, action=flaps, about=about)
 
 
 def steady(case: Case, folder: Path) -> dict[str, Any]:
@@ -110,15 +128,30 @@ def steady(case: Case, folder: Path) -> dict[str, Any]:
     return {"values": values, "times": {"cpu_s": process_time() - begin}}
 
 
+def flaps(case: Case, folder: Path) -> dict[str, Any]:
+    """Return amplitude and frequency of the tip of a flag, and the processor time of the run, s."""
+    begin = process_time()
+    return {"values": tip(simulate.completed(case.built(), folder)), "times": {"cpu_s": process_time() - begin}}
+
+
+def tip(series: Series) -> dict[str, float]:
+    """Return amplitude (lengths) and frequency (speeds by lengths) of the tip of a flag in the gallery."""
+    found = flapping.swing(series, "tip_uy", 10.0)
+    return {"±uy": found["amplitude"], "f": found["frequency"]}
+
+
 def by_size(data: Data) -> list[dict[str, Any]]:
     """Return the differences from one grid of each fine box."""
     records = {(r.view["size"], r.view["ratio"], r.view["shape"]): r.view for r in data.of("fine-box/*")}
     rows = []
     for size, ratio in dict.fromkeys(key[:2] for key in records if key[0] != ONE):
-        own, one = ({name: records[*place, name] for name in SHAPES} for place in ((size, ratio), (ONE, 1)))
+        shapes = [name for name in (*SHAPES, "flag") if (size, ratio, name) in records]
+        own, one = ({name: records[*place, name] for name in shapes} for place in ((size, ratio), (ONE, 1)))
         row = {"size": size, "ratio": ratio, "beside": large_cells(size, ratio)}
         row |= {f"cd_{name}": own[name]["cd"] / one[name]["cd"] - 1 for name in SHAPES}
         row["cl_plate"] = own["plate"]["cl"] / one["plate"]["cl"] - 1
+        if "flag" in own:
+            row |= {name: own["flag"][name] / one["flag"][name] - 1 for name in ("±uy", "f")}
         row["time"] = own["plate"]["cpu_s"] / one["plate"]["cpu_s"]
         rows.append(row)
     return rows
@@ -135,7 +168,7 @@ class Pair:
     changes: dict[str, Any]
     quantities: Callable[[Series], dict[str, float]]
     ends: dict[int, dict[str, list[float]]]
-    """Ends of the fine box by ratio."""
+    """Ends of the fine box by ratio; a body may be too large for one of 4."""
     sources: tuple[str, ...] = FLUID
 
 
@@ -188,19 +221,28 @@ PAIRS: dict[str, Pair] = {
     "flag, line": Pair(
         "flag-line-480x240",
         {},
-        lambda series: {
-            name: flapping.swing(series, "tip_uy", 10.0)[key]
-            for name, key in (("±uy", "amplitude"), ("f", "frequency"))
-        },
+        tip,
         {ratio: {"x": [-0.25, 1.5], "y": [-0.5, 0.5]} for ratio in (2, 4)},
         COUPLED,
+    ),
+    "wing that hovers, 8 cells a chord": Pair(
+        wing.HOVER,
+        {
+            "fluid.box": {"x": [-2.75, 5.35], "y": [-4.75, 3.35], "z": [-5.315625, 5.315625], "cells": [64, 64, 84]},
+            "fluid.threads": 1,
+        },
+        lambda series: means(series, wing.STROKE, 1.0, lift="lift"),
+        {2: {"x": [-1.6, 4.0], "y": [-2.6, 1.7], "z": [-3.9, 3.9]}},
+        (*COUPLED, "wing"),
     ),
 }
 
 
 def pairs() -> Iterator[Case]:
     for (name, pair), ratio in product(PAIRS.items(), (1, 2, 4)):
-        box = pair.changes.get("fluid.box.cells") or simulate.shipped(pair.scene)["fluid"]["box"]["cells"]
+        if ratio > 1 and ratio not in pair.ends:
+            continue
+        box = simulate.changed(pair.scene, pair.changes)["fluid"]["box"]["cells"]
         fine: dict[str, Any] = {"fluid.fine_box": pair.ends[ratio] | {"ratio": ratio}} if ratio > 1 else {}
         changes = pair.changes | {"fluid.box.cells": [cells // ratio for cells in box]} | fine
         about = {"pair": name, "ratio": ratio}
@@ -221,8 +263,9 @@ def by_quantity(data: Data) -> list[dict[str, Any]]:
         views = {r.view["ratio"]: r.view for r in data.of(f"grid-pairs/{name}/*")}
         for quantity in data[f"grid-pairs/{name}/1"].values:
             row = {"pair": name, "quantity": quantity, "one": views[1][quantity]}
-            row |= {f"off_{ratio}": views[ratio][quantity] / views[1][quantity] - 1 for ratio in (2, 4)}
-            row |= {f"time_{ratio}": views[ratio]["cpu_s"] / views[1]["cpu_s"] for ratio in (2, 4)}
+            for ratio in PAIRS[name].ends:
+                row[f"off_{ratio}"] = views[ratio][quantity] / views[1][quantity] - 1
+                row[f"time_{ratio}"] = views[ratio]["cpu_s"] / views[1]["cpu_s"]
             rows.append(row)
     return rows
 
@@ -250,3 +293,78 @@ def far() -> Iterator[Case]:
 
 
 DISTANT = Study("grid-far", far, lambda case, run: run.found)
+
+
+WARM = 4  # Steps before those that count
+APIECE: dict[str, Any] = {"fluid.precision": "single", "fluid.threads": 1}
+PLATE: dict[str, Any] = APIECE | {
+    "time.communication_step": 0.0125,
+    "fluid.time_stepping.max_step": 0.0125,
+    "fluid.box": {"x": [-6.0, 10.0], "y": [-6.0, 6.0], "z": [-6.0, 6.0]},
+    "fluid.sponge.x": [8.0, 10.0],
+    "fluid.bodies.0.shape": {"plate": {"length": 1.0, "width": 2.0}},
+}
+AROUND_PLATE: dict[str, Any] = {"x": [-2.0, 2.0], "y": [-1.5, 1.5], "z": [-2.0, 2.0], "ratio": 4}
+STILL: dict[str, Any] = APIECE | dict.fromkeys(("fluid.sponge", "fluid.mean_flow", "fluid.initial_velocity"), "absent")
+AROUND_SPHERE: dict[str, Any] = {"x": [-2.25, 2.75], "y": [-2.25, 2.25], "z": [-2.25, 2.25]}
+DRIVEN: dict[str, Any] = {"table": {"times": [0.0, 50.0], "values": [0.0, -50.0]}}
+COSTS: dict[str, tuple[str, int, list[dict[str, Any]]]] = {
+    "plate on 24 cells a chord in 16 x 12 x 12 chords, beside one grid": (
+        "plate-stream-96x72x72",
+        8,
+        [
+            PLATE | {"fluid.box.cells": [96, 72, 72], "fluid.fine_box": AROUND_PLATE},
+            PLATE | {"fluid.box.cells": [384, 288, 288]},
+        ],
+    ),
+    "sphere driven along 50 diameters, beside a domain of 5 x 4.5 x 4.5": (
+        "sphere-stream-144x96x96",
+        40,
+        [
+            STILL
+            | {
+                "fluid.box": {"x": [-58.0, 6.0], "y": [-6.0, 6.0], "z": [-6.0, 6.0], "cells": [256, 48, 48]},
+                "fluid.fine_box": AROUND_SPHERE | {"ratio": 4, "follow": "body[1]"},
+                "fluid.bodies.0.motion": {"x": DRIVEN},
+            },
+            STILL
+            | {
+                "fluid.box": AROUND_SPHERE | {"cells": [80, 72, 72]},
+                "fluid.bodies.0.motion": {"x": {"sine": {"amplitude": 0.3, "frequency": 0.5}}},
+            },
+        ],
+    ),
+}
+"""Scene, steps in a turn, and changes to two grids and to one grid."""
+
+
+def costs() -> Iterator[Case]:
+    for label, (scene, steps, both) in COSTS.items():
+        options = {"steps": steps, "one": both[1]}
+        yield Case(f"space/{label}", FLUID, scene, both[0], options, in_turns)
+
+
+def in_turns(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the mean processor time of a step on two grids and on one, in turns, ms, as the large grid takes one of
+    several steps, and the ratios of time and memory."""
+    scenes = [case.built(), simulate.changed(case.scene, case.options["one"])]
+    spent, memory = np.zeros(2), np.zeros(2)
+    with ExitStack() as stack:
+        runs = []
+        for number, scene in enumerate(scenes):
+            before = resident_memory()
+            runs.append(stack.enter_context(simulate.session(scene, folder / str(number))))
+            runs[-1].start()
+            for _ in range(WARM):
+                runs[-1].step()
+            memory[number] = resident_memory() - before
+        for _ in range(case.options["steps"]):
+            for number, run in enumerate(runs):
+                begin = process_time()
+                run.step()
+                spent[number] += process_time() - begin
+    two, one = 1e3 * spent / case.options["steps"]
+    return {"times": {"two_ms": two, "one_ms": one, "time": two / one, "memory": float(memory[0] / memory[1])}}
+
+
+COST = Study("grid-cost", costs, lambda case, run: run.found)

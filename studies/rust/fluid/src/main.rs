@@ -13,13 +13,14 @@ mod roofline;
 mod rows;
 
 use std::array::from_fn;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use libloading::Library;
+use line_fft::{Fft2, Fft3, Real, Scratch, ThreadTeam};
 use nervure_fluid::internals::{Implicit, Phase, Projection};
 use nervure_fluid::{Filter, Fluid, Parameters};
-use line_fft::{Fft2, Fft3, Real, Scratch, ThreadTeam};
 use scene::{Precision, Scene};
 
 use machine::{Clock, Fused};
@@ -60,6 +61,15 @@ const PHASES: [&str; 10] = [
 ];
 const STEP: usize = PHASES.len() - 1;
 
+/// The same in space.
+const VOLUME_PHASES: [&str; 10] = {
+    let mut names = PHASES;
+    names[4] = "three transforms along z and y";
+    names[5] = "nine along x, and the projection";
+    names[6] = "six back along y and z, and the CFL number";
+    names
+};
+
 /// Coefficients of a solve wave by wave; its time does not depend on them.
 const STEP_COEFFICIENTS: Implicit<2> = Implicit { tau_nu: 1e-8, cfl: 0.3, mean: None, limit: f64::INFINITY };
 
@@ -74,6 +84,11 @@ type Thing<'a> = (&'a str, &'a mut dyn FnMut());
 
 fn processor_time() -> f64 {
     ThreadTime::now().as_duration().as_secs_f64()
+}
+
+fn wall_time() -> f64 {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    BEGIN.elapsed().as_secs_f64()
 }
 
 /// What `measure` returns, again and again for [`TIME`].
@@ -382,6 +397,51 @@ fn in_cache<R: Real>(
     [solve * by_points, both - along_x, rows, back]
 }
 
+/// The phases of a step in space, a sphere in a stream, that go through whole arrays: times on one thread and on two, and
+/// the bytes that they move and must move beside the bandwidth of one thread from the memory.
+fn volume_phases(table: &mut Table) {
+    for (precision, name) in [(Precision::Single, "single"), (Precision::Double, "double")] {
+        let cells = [128; 3];
+        table.begin("roofline-space", name, cells);
+        table.row("bandwidth", 1e-9 * machine::bandwidth(STREAMS[3], &processor_time), "GB/s");
+        let bytes = if precision == Precision::Single { 4.0 } else { 8.0 };
+        for (phase, [moved, must]) in roofline::in_space(cells, bytes) {
+            table.row(&format!("{}: moved", VOLUME_PHASES[phase as usize]), 1e-6 * moved, "MB");
+            table.row(&format!("{}: must", VOLUME_PHASES[phase as usize]), 1e-6 * must, "MB");
+        }
+        let path = format!("{}/../../../scenes/sphere-stream-144x96x96.json", env!("CARGO_MANIFEST_DIR"));
+        let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+        let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
+        (fluid.r#box.cells, fluid.precision) = (cells.to_vec(), precision);
+        for (threads, said) in [(1, "one thread"), (2, "two threads")] {
+            scene.fluid.as_mut().expect("the scene has a fluid").threads = threads;
+            let parameters = Parameters::<3>::try_from(&scene).unwrap_or_else(|error| panic!("{error}"));
+            let mut fluid = Fluid::new(&parameters).unwrap_or_else(|error| panic!("{error}"));
+            let mut step = || fluid_step(&mut fluid);
+            (0..3).for_each(|_| {
+                step();
+            });
+            let mut steps = repeated(step);
+            steps.sort_by(|a, b| a[STEP].total_cmp(&b[STEP]));
+            steps.truncate(steps.len().div_ceil(4));
+            for (phase, what) in VOLUME_PHASES.into_iter().enumerate() {
+                let mean = steps.iter().map(|step| step[phase]).sum::<f64>() / steps.len() as f64;
+                table.time(&format!("{what}: {said}"), mean);
+            }
+        }
+    }
+}
+
+/// Wall times of the phases of a step in space and of all of it, s.
+fn fluid_step(fluid: &mut Fluid<3>) -> [f64; PHASES.len()] {
+    fluid.timer().now = Some(wall_time);
+    fluid.timer().spent = [0.0; STEP];
+    let start = wall_time();
+    fluid.advance(fluid.time(), 0.01).unwrap_or_else(|error| panic!("{error}"));
+    let whole = wall_time() - start;
+    from_fn(|phase| *fluid.timer().spent.get(phase).unwrap_or(&whole))
+}
+
 /// What the bar costs and the whole step, with the bar jumping to and fro by a part of a cell from step to step (a body
 /// that goes with the flow moves by at most the CFL number). Its velocity is 0: the cost of a place is asked for.
 fn motion(table: &mut Table) {
@@ -428,7 +488,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     table.file.write_record(["table", "scene", "grid", "what", "value", "unit"])?;
     table.begin("about", &fftw::version(&library), [0, 0]);
     table.row("FFTW, planned by measuring", 1.0, "1");
-    let tables: [(&str, Measure); 8] = [
+    let tables: [(&str, Measure); 9] = [
         ("machine", &machine),
         ("pair", &|table| pairs(&library, table)),
         ("volume", &|table| {
@@ -440,6 +500,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("phases-single", &|table| {
             phases::<f32>(Precision::Single, ["phases-single", "roofline-single"], table);
         }),
+        ("roofline-space", &volume_phases),
         ("motion", &motion),
         ("threads", &threads),
     ];

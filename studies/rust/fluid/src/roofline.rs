@@ -7,8 +7,10 @@
 //! The phases that walk along lists of cells (painting, wall target, velocities of bodies and zones, forces, loads)
 //! have no count: how long the lists are is not known here.
 
-use nervure_fluid::internals::{Phase, Projection};
+use std::f64::consts::PI;
+
 use line_fft::{Fft2, Real};
+use nervure_fluid::internals::{Phase, Projection};
 
 /// What a phase does in a step.
 pub struct Work {
@@ -68,6 +70,26 @@ pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([W
         },
     ];
     (phases, 10.0 * field + wide + 3.0 * spectrum + coefficients)
+}
+
+/// The phases of a step in space that go through whole arrays of numbers of so many bytes, with what they move, and what
+/// they must move: the same without the lines that come into the cache before they are written to.
+///
+/// The filter leaves the modes within an ellipsoid, of which a spectrum has the rows along y whole.
+pub fn in_space(cells: [usize; 3], bytes: f64) -> [(Phase, [f64; 2]); 4] {
+    let points = cells.iter().product::<usize>() as f64;
+    // A field, the penalization rate in double precision, and a spectrum: half as many modes of two numbers.
+    let (field, wide) = (points * bytes, points * size_of::<f64>() as f64);
+    let spectrum = field;
+    let of = |read: f64, over: f64, written: f64| [read + over + 2.0 * written, read + over + written];
+    [
+        // Reads u and omega of three times, w of the last step, and the rate; writes w.
+        (Phase::Solve, of(21.0 * field + wide, 0.0, 3.0 * field)),
+        (Phase::Forward, of(3.0 * field, 0.0, 3.0 * spectrum)),
+        // Of modes within the ellipse across x, the only ones that are read. Writes three over what was read.
+        (Phase::Rows, of(3.0 * spectrum, 3.0 * spectrum, 3.0 * spectrum).map(|bytes| 0.25 * PI * bytes)),
+        (Phase::Back, of(0.25 * PI * 6.0 * spectrum, 0.0, 6.0 * field)),
+    ]
 }
 
 /// Operations of a complex transform of length n by passes of small factors, as the fluid does it. A length with
