@@ -65,9 +65,11 @@ def cases() -> Iterator[Case]:
         for variant, changes in variants.items():
             sources = COUPLED if fluid and rod else FLUID if fluid else ROD
             base = variants.get("without shear" if variant == SPACE else "as shipped", {})
-            sources += ("contact",) if variant == CONTACT else ()
+            of_contact = ("contact",) if variant == CONTACT else ()
             about = {"scene": name, "base": base}
-            yield Case(f"{name}/{variant}", sources, name, short | changes, about=about, action=measured)
+            yield Case(
+                f"{name}/{variant}", (*sources, *of_contact), name, short | changes, about=about, action=measured
+            )
 
 
 def measured(case: Case, folder: Path) -> dict[str, Any]:
