@@ -361,7 +361,7 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (ten minutes on a free machine)
 	$(STUDY) report leave-out --force $(ARGS)
 
-STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin slit space wing scenes running report leave-out
+STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin slit space wing scenes running gym report leave-out
 report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; two hours of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= report-pictures

@@ -8,6 +8,7 @@ import argparse
 import json
 from functools import partial
 from pathlib import Path
+from time import process_time
 
 import gymnasium
 import matplotlib.pyplot as plt
@@ -73,6 +74,7 @@ def main() -> None:
     curves: list[tuple[np.ndarray, np.ndarray]] = []
     best: tuple[float, dict[str, object]] = (-np.inf, {})
     for seed in range(given.seeds):
+        begin = process_time()
         env = Monitor(make(given.task))
         network = {"net_arch": [32, 32], "log_std_init": -1.0}
         model = PPO("MlpPolicy", env, seed=seed, gamma=0.98, learning_rate=1e-3, n_steps=1000, batch_size=100,
@@ -81,7 +83,8 @@ def main() -> None:
         sums = np.array(env.get_episode_rewards())
         curves.append((np.cumsum(env.get_episode_lengths()), sums))
         learned = judged(env, partial(choose, model))
-        print(f"seed {seed}: learned {learned:.4g}, none {none:.4g}, classical {classical:.4g}", flush=True)
+        rewards = f"learned {learned:.4g}, none {none:.4g}, classical {classical:.4g}"
+        print(f"seed {seed}: {rewards}, {(process_time() - begin) / 60:.1f} min of a core", flush=True)
         if learned > best[0]:
             best = learned, policy(model, own)
         env.close()

@@ -8,15 +8,15 @@ from typing import Any
 from studies import contact, coupling, driven_bar, flapping, fluid, fsi3, lab, leave_out, reliability, report, rod
 
 from studies import running, scenes, settling, show, slit, space, speed, thin, turek_hron, two_grids, vein, wing  # isort: skip
-from studies import bars, coverage, flight  # isort: skip
+from studies import bars, coverage, environments, flight  # isort: skip
 from studies.store import Data
 
 MEASURED = (rod.STUDY, contact.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY,
             driven_bar.STUDY, turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, slit.STUDY, slit.SLIP,
             two_grids.STUDY, two_grids.SIZES, two_grids.TWO, two_grids.DISTANT, two_grids.COST, space.STUDY,
             settling.STUDY, flight.STUDY, wing.STUDY, coverage.STUDY, bars.STUDY)  # fmt: skip
-STUDIES = (*MEASURED, scenes.study(MEASURED), running.STUDY, lab.STUDY, leave_out.STUDY, report.STUDY,
-           reliability.STUDY)  # fmt: skip
+STUDIES = (*MEASURED, scenes.study(MEASURED), running.STUDY, environments.STUDY, lab.STUDY, leave_out.STUDY,
+           report.STUDY, reliability.STUDY)  # fmt: skip
 
 
 def load() -> Data:

@@ -1,9 +1,9 @@
-"""Random contacts of rods, wings and bodies, and what contact costs, by studies/rust/contact and `mixed`."""
+"""Random contacts of rods, wings and bodies, and what contact costs, by studies/rust/contact and `mixed`; `near`."""
 
 from collections.abc import Iterator
 from typing import Any
 
-from studies import commands, mixed
+from studies import commands, mixed, near
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
@@ -18,10 +18,13 @@ def cases() -> Iterator[Case]:
     yield Case("mixed", MIXED, action=mixed.throw_all)
     command = commands.cargo("contact-study", "{folder}", example="cost")
     yield Case("cost", COST, options={"command": command}, action=commands.tables)
+    yield from near.cases()
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
     """Return the table, with the times apart."""
+    if case.name.startswith("near/"):
+        return run.found
     rows = run.found["tables"]["cost" if case.name == "cost" else "random"]
     if case.name == "cost":
         milliseconds = ("without", "apart", "touching")
@@ -46,4 +49,4 @@ def cost(data: Data) -> list[dict[str, Any]]:
     ]
 
 
-STUDY = Study("contact", cases, extract, {"contact-random": thrown, "contact-cost": cost})
+STUDY = Study("contact", cases, extract, {"contact-random": thrown, "contact-cost": cost, "contact-near": near.rows})

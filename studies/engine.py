@@ -58,6 +58,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/simulation/loop.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py", "python/nervure/simulation/summary.py"),
     "rod study": ("studies/rust/rod/src/**/*.rs", "studies/rust/rod/Cargo.toml", "crates/rod/tests/common/*.rs"),
+    "contact": ("crates/contact/src/**/*.rs", "crates/geometry/src/**/*.rs"),
     "contact study": (
         "studies/rust/contact/src/*.rs",
         "studies/rust/contact/Cargo.toml",

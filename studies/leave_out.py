@@ -9,8 +9,9 @@ from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.store import Data
 
-SCENES = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72", "flag-line-480x240", "sphere-oscillating-64x64x64")
-"""A rod, a fluid, both, a line, and a fluid in space."""
+SCENES = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72", "flag-line-480x240", "sphere-oscillating-64x64x64",
+          "cylinder-settling-140x392", "sphere-settling-80x80x120")  # fmt: skip
+"""A rod, a fluid, both, a line, a fluid in space, and bodies on a mount."""
 
 STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 TIMED = 200  # Steps of each scene in turns
@@ -20,12 +21,17 @@ COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 Scene = dict[str, Any]
 
 NO_SHEAR = {"rod.material.plane_strain.shear_factor": "absent"}
-SPACE = "third dimension (without shear)"
+SPACE, CONTACT = "third dimension (without shear)", "contact out of reach"
 
 
 def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
     """Yield names of parts that can be added to `scene` without an effect, and the changes that add them."""
     fluid, rod = scene.get("fluid"), scene.get("rod")
+    mounted = any("mount" in body for body in (fluid or {}).get("bodies", []))
+    if rod or mounted:
+        yield CONTACT, {"contact": {}}
+    if mounted:
+        return  # Other scenes show the rest
     if rod and "root_motion" not in rod:
         yield "root in prescribed motion, standing still", {"rod.root_motion": {"laws": {}}}
         if not fluid:
@@ -59,8 +65,11 @@ def cases() -> Iterator[Case]:
         for variant, changes in variants.items():
             sources = COUPLED if fluid and rod else FLUID if fluid else ROD
             base = variants.get("without shear" if variant == SPACE else "as shipped", {})
+            of_contact = ("contact",) if variant == CONTACT else ()
             about = {"scene": name, "base": base}
-            yield Case(f"{name}/{variant}", sources, name, short | changes, about=about, action=measured)
+            yield Case(
+                f"{name}/{variant}", (*sources, *of_contact), name, short | changes, about=about, action=measured
+            )
 
 
 def measured(case: Case, folder: Path) -> dict[str, Any]:

@@ -48,7 +48,7 @@ class Action:
 
 class Servos:
     """The servos of the actions of a session, which stand at its inputs, and their way over `times`, s from now. Raise
-    `InputError` for an impossible one."""
+    `InputError` for an impossible one. They are few: numbers of Python are faster than arrays."""
 
     def __init__(self, actions: Sequence[Action], session: Session, times: np.ndarray):
         driver = session.driver
@@ -65,25 +65,28 @@ class Servos:
                     f"the action {own.name} has the range {own.low:g} to {own.high:g} and the lag {own.lag:g} s, but "
                     f"the range must be finite and not empty, and the lag from {LAGS[0]:g} to {LAGS[1]:g} s"
                 )
-        # Places from the target and speeds over time, `[times, 2, actions]`: by the first distance, by the first speed.
+        # Factors of the first distance and of the first speed, `[times, actions, 2]`, for places from the target and
+        # for speeds.
         t, omega = times[:, None], np.array([1 / own.lag for own in actions])
         decay = np.exp(-omega * t)
-        self._by_place = np.stack([(1 + omega * t) * decay, -omega * omega * t * decay], axis=1)
-        self._by_speed = np.stack([t * decay, (1 - omega * t) * decay], axis=1)
-        self.places = np.array([driver[own.name] for own in actions])
-        self.speeds = np.zeros(len(actions))
+        of_places = np.stack([(1 + omega * t) * decay, t * decay], axis=2)
+        of_speeds = np.stack([-omega * omega * t * decay, (1 - omega * t) * decay], axis=2)
+        self._factors = [*zip(of_places.tolist(), of_speeds.tolist(), strict=True)]
+        self.places = [float(driver[own.name]) for own in actions]
+        self.speeds = [0.0 for _ in actions]
         columns = [(own.name, i) for i, own in enumerate(actions)]
         columns += [(rate, len(actions) + i) for i, own in enumerate(actions) if (rate := driver.rates[own.name])]
         self.inputs = [(*driver.places[name], column) for name, column in columns]
         """Array of inputs, place in it, and column of `plan`."""
 
-    def plan(self, targets: np.ndarray) -> list[list[float]]:
-        """Go towards `targets`; return the values at the times, places before speeds: numbers, as they are written one
-        by one."""
-        both = self._by_place * (self.places - targets) + self._by_speed * self.speeds
-        both[:, 0] += targets
-        self.places, self.speeds = both[-1]
-        rows: list[list[float]] = both.reshape(len(both), -1).tolist()
+    def plan(self, targets: Sequence[float]) -> list[list[float]]:
+        """Go towards `targets`; return the values at the times, places before speeds."""
+        first = [(z, x - z, v) for z, x, v in zip(targets, self.places, self.speeds, strict=True)]
+        rows = []
+        for of_places, of_speeds in self._factors:
+            self.places = [a * d + b * v + z for (a, b), (z, d, v) in zip(of_places, first, strict=True)]
+            self.speeds = [a * d + b * v for (a, b), (_, d, v) in zip(of_speeds, first, strict=True)]
+            rows.append(self.places + self.speeds)
         return rows
 
 
@@ -142,7 +145,7 @@ def _read(session: Session, servos: Servos, path: Path) -> bool:
             unit.deserialize(arrays[f"{name}_state"].tobytes())
         for name, own in _exchanged(session):
             own[:] = arrays[name]
-        servos.places, servos.speeds = arrays["servos"]
+        servos.places, servos.speeds = arrays["servos"].tolist()
     except (OSError, ValueError, KeyError, UnitError, BadZipFile):
         return False
     memory = [(name, array) for name, array in arrays.items() if name.startswith("scheme_")]
@@ -280,7 +283,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
             targets = np.asarray(given, float)
         except (TypeError, ValueError):
             targets = np.array(math.nan)
-        if targets.shape != self.low.shape or not np.isfinite(targets).all():
+        if targets.shape != self.low.shape or not all(map(math.isfinite, targets.tolist())):
             count = len(self.actions)
             raise InputError(f"{name} is {given!r}, but must be {count} finite number{'s' * (count != 1)}")
         return targets
@@ -288,7 +291,7 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     def _follow(self, targets: np.ndarray) -> np.ndarray:
         """Make a step towards targets; return those within the ranges."""
         targets = np.minimum(np.maximum(targets, self.low), self.high)  # Faster than `clip`
-        self._advance(self.servos.plan(targets))
+        self._advance(self.servos.plan(targets.tolist()))
         return targets
 
     def _advance(self, rows: Sequence[Sequence[float]]) -> None:
