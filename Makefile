@@ -361,8 +361,11 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (ten minutes on a free machine)
 	$(STUDY) report leave-out --force $(ARGS)
 
-STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin slit space wing scenes running gym report leave-out
-report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; two hours of one core
+# All but lab and reliability, which have commands of their own.
+STUDIES := fluid-speed rod contact fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin slit \
+	slip two-grids fine-box grid-pairs grid-far grid-cost space settling flight wing coverage bars scenes running gym \
+	report leave-out
+report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; hours of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= report-pictures
 

@@ -1,6 +1,7 @@
 """The committed results: documents show them, README shows no stale one, and some come out again."""
 
 import json
+import subprocess
 from dataclasses import replace
 
 import pytest
@@ -26,6 +27,12 @@ def data():
 def test_documents_show_what_the_results_have(data):
     changed = catalogue.render(data, check=True)
     assert not changed, f"{changed}: `make studies` writes them anew"
+
+
+def test_the_full_report_has_every_study_without_a_command_of_its_own():
+    listed = subprocess.run(["make", "-pn", "report-full"], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    names = next(line for line in listed.splitlines() if line.startswith("STUDIES := ")).split()[2:]
+    assert sorted(names) == sorted({study.name for study in catalogue.STUDIES} - {"lab", "reliability"})
 
 
 def test_no_row_that_readme_shows_is_stale(data):
