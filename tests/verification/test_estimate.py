@@ -120,3 +120,15 @@ def test_a_steady_signal_that_still_drifts_has_the_drift_as_its_error():
     resting = statistical_error(time, np.ones_like(time), Window(5.0, 10.0, 0), "mean")
     print(drifting, resting)
     assert 0.01 < drifting < 0.03 and resting == 0.0
+
+
+@pytest.mark.parametrize("what", ["mean", "amplitude"])
+def test_one_period_scatters_by_what_half_a_period_changes(what):
+    time = np.linspace(0, 20, 401)
+    fading = 0.1 * np.exp(-time / 10)
+    for drift in (0.0, 1.0):
+        more = drift * fading
+        values = np.sin(np.pi * time / 5) + more if what == "mean" else np.sin(np.pi * time / 5) * (1 + more)
+        found = statistical_error(time, values, Window(10.0, 20.0, 1), what)
+        print(found)
+        assert 0.01 < found < 0.02 if drift else found == pytest.approx(0.0, abs=1e-12)

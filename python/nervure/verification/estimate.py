@@ -150,7 +150,13 @@ def _order(h: np.ndarray, phi: np.ndarray, bounds: Sequence[float]) -> float:
 
 def statistical_error(time: np.ndarray, values: np.ndarray, window: Window, what: str) -> float:
     """Return the 95 % error of the `mean`, the `amplitude` or the `frequency_hz` of a signal over `window`: from the
-    scatter of its periods, as batches; without periods from the drift between the parts of the window."""
+    scatter of its periods, as batches; of one period from the one that begins half of it earlier; without periods from
+    the drift between the parts of the window."""
+    half = (window.end - window.begin) / 2
+    if window.periods == 1 and what != "frequency_hz" and window.begin - half >= time[0]:
+        last, before = (values[own.of(time)] for own in (window, Window(window.begin - half, window.end - half, 1)))
+        pair = (last.mean(), before.mean()) if what == "mean" else (np.ptp(last) / 2, np.ptp(before) / 2)
+        return float(abs(pair[0] - pair[1]))
     if window.periods < 2:
         edges = np.linspace(window.begin, window.end, PARTS + 1)
         parts = [values[Window(begin, end, 0).of(time)] for begin, end in pairwise(edges)]
