@@ -134,6 +134,18 @@ def test_the_cells_of_a_fine_box_are_those_of_the_unit_and_are_warned_of():
     assert "64 and 72 have none" in warned[0]
 
 
+@pytest.mark.parametrize(
+    ("cells", "reynolds", "warned"), [([96, 128], 100, True), ([144, 192], 100, False), ([96, 128], 40, False)]
+)
+def test_few_large_cells_across_what_sheds_vortices_are_warned_of(cells, reynolds, warned):
+    fine = {"x": [-2.5, 3.5], "y": [-2.0, 2.0], "ratio": 4}
+    scene = read("cylinder-stream-384x512")
+    scene["fluid"] |= {"fine_box": fine, "kinematic_viscosity": 1 / reynolds}
+    scene["fluid"]["box"]["cells"] = cells
+    found = [text for text in ranges.warnings(Facts(validate(scene | {"reference": None}))) if "large cells" in text]
+    assert bool(found) == warned and (not found or "has 4 large cells" in found[0])
+
+
 def test_two_driven_wings_have_the_numbers_of_one():
     document = read("wing-hover-64x64x84")
     wing = document.pop("wing")

@@ -18,6 +18,7 @@ FACTORS = (2, 3, 5, 7, 11, 13)  # Prime factors with a transform of their own
 OBLONG = 1.5  # Longest side of a cell by the shortest: with 2 the flow in a channel is 9 % off beside the wall
 THICKNESS_CELLS, GOOD_CELLS = 2.5, 5  # Cells in a thickness: least, and for forces within some per cent
 LINE_CELLS = 4  # Cells in a beam's thickness from which on its mask makes as little noise as a line, 2 %
+LARGE_CELLS, SHEDS = 6, 47.0  # Least large cells across what sheds vortices, at a larger Re
 LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
 REYNOLDS = (20.0, 200.0)  # Range with published values
 DENSITY_RATIO = (0.01, 1000.0)  # Range of the map of the coupling
@@ -76,6 +77,11 @@ def _warnings(facts: Facts) -> Iterator[str]:
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
     elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
+    if fine and is_masked and numbers.length and len(sides) == 2 and (numbers.reynolds or 0.0) > SHEDS:
+        cell = sides[long] / (middle.ratio if middle else 1)
+        if numbers.length < LARGE_CELLS * cell * (1 - ROUNDING):
+            off = f"with 4 amplitudes of lift were 4 to 12 % off, with {LARGE_CELLS} within 1 %; a smaller `ratio` helps"
+            yield f"the wake has {numbers.length / cell:.3g} large cells to the length of what sheds it: {off}"
     if numbers.velocity and numbers.length and not wings(scene):
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
