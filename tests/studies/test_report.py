@@ -30,7 +30,9 @@ def test_documents_show_what_the_results_have(data):
 
 
 def test_the_full_report_has_every_study_without_a_command_of_its_own():
-    listed = subprocess.run(["make", "-pn", "report-full"], cwd=ROOT, capture_output=True, text=True, check=False).stdout
+    listed = subprocess.run(
+        ["make", "-pn", "report-full"], cwd=ROOT, capture_output=True, text=True, check=False
+    ).stdout
     names = next(line for line in listed.splitlines() if line.startswith("STUDIES := ")).split()[2:]
     assert sorted(names) == sorted({study.name for study in catalogue.STUDIES} - {"lab", "reliability"})
 

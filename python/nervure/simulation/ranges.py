@@ -80,7 +80,7 @@ def _warnings(facts: Facts) -> Iterator[str]:
     if fine and is_masked and numbers.length and len(sides) == 2 and (numbers.reynolds or 0.0) > SHEDS:
         cell = sides[long] / (middle.ratio if middle else 1)
         if numbers.length < LARGE_CELLS * cell * (1 - ROUNDING):
-            off = f"with 4 amplitudes of lift were 4 to 12 % off, with {LARGE_CELLS} within 1 %; a smaller `ratio` helps"
+            off = f"with 4 swings of lift were 4 to 12 % off, with {LARGE_CELLS} within 1 %; a smaller `ratio` helps"
             yield f"the wake has {numbers.length / cell:.3g} large cells to the length of what sheds it: {off}"
     if numbers.velocity and numbers.length and not wings(scene):
         (mask,) = scene.fluid.mask.document().values()
