@@ -124,7 +124,8 @@ pub enum Followed {
 }
 
 impl<const D: usize> FineBox<D> {
-    /// Width of the rim in which the fine flow is damped to the coarse one, coarse cells.
+    /// Width of the rim in which the fine flow is damped to the coarse one, coarse cells. With two cells the numbers of
+    /// `studies/two_grids.py` change by at most 0.6 % at a ratio of 2.
     pub const RIM: f64 = 3.0;
 
     /// Width beyond the rim in which W, the share of the flow that is given back, grows from 0 to 1, coarse cells.
