@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from shutil import rmtree
 from time import process_time
 from typing import Any
 
@@ -41,6 +42,7 @@ def verified(case: Case, folder: Path) -> dict[str, Any]:
     and the part of the budget that was spent."""
     within, budget, quantities = (case.options[key] for key in ("within", "budget", "quantities"))
     begin = process_time()
+    rmtree(folder / "runs", ignore_errors=True)
     runs = Verification(
         validate(case.built()), folder / "runs", within, budget, quantities, workers=1, force=True, cpu=True
     )

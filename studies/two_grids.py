@@ -83,13 +83,12 @@ SHAPES: dict[str, dict[str, Any]] = {
     "plate": {"shape": {"plate": {"length": 1.0}}, "motion": {"angle": {"constant": -radians(30)}}},
 }
 ONE, CELLS, END, WINDOW = "one grid", 16, 20.0, 4.0  # Cells a length; time and its last part that counts, s
-FLAG: dict[str, Any] = simulate.on_grid(512, 256, 0.006) | {
-    "fluid.box.x": [-6.0, 10.0],
-    "fluid.box.y": [-4.0, 4.0],
-    "fluid.sponge.x": [8.4, 10.0],
-    "beam.segments": 40,
+FLAGS: dict[str, list[list[float]]] = {
+    "1.5 x 0.8": [[-0.2, 1.3], [-0.4, 0.4]],
+    "1.75 x 1": [[-0.25, 1.5], [-0.5, 0.5]],
+    "2.5 x 1.5": [[-0.5, 2.0], [-0.75, 0.75]],
 }
-"""A flag on twice the cells a length, in 16 x 8 lengths."""
+"""The same around a flag from 0 to 1, on 96 cells a length in 5 x 2.5 lengths."""
 FEWEST = 6.0  # Large cells between the body and the ends of the box: 5 are refused
 
 
@@ -110,13 +109,20 @@ def sizes() -> Iterator[Case]:
         }
         about = {"shape": name, "size": size, "ratio": ratio}
         yield Case(f"{name}/{size}, {ratio}", FLUID, SCENE, changes, action=steady, about=about)
-    for size, ratio in [(ONE, 1), *boxes[:-2]]:
-        changes = FLAG | {"fluid.box.cells": [512 // ratio, 256 // ratio]}
-        if ratio > 1:
-            (low, high), y = BOXES[size]
-            changes["fluid.fine_box"] = {"x": [low + 0.5, high + 0.5], "y": y, "ratio": ratio}
+    for size, ratio in [
+        (ONE, 1),
+        *((size, ratio) for size, ratio in product(FLAGS, (2, 4)) if beside_flag(size, ratio) > 5),
+    ]:
+        fine = dict(zip("xy", FLAGS[size], strict=True)) | {"ratio": ratio} if ratio > 1 else "absent"
+        changes = {"fluid.box.cells": [480 // ratio, 240 // ratio], "fluid.fine_box": fine}
         about = {"shape": "flag", "size": size, "ratio": ratio}
         yield Case(f"flag/{size}, {ratio}", COUPLED, "flag-line-480x240", changes, action=flaps, about=about)
+
+
+def beside_flag(size: str, ratio: int) -> float:
+    """Return the large cells between a flag at rest and the nearest end of the box."""
+    (begin, end), (_, side) = FLAGS[size]
+    return min(-begin, end - 1.0, side) * 96 / ratio
 
 
 def steady(case: Case, folder: Path) -> dict[str, Any]:
@@ -145,14 +151,12 @@ def by_size(data: Data) -> list[dict[str, Any]]:
     records = {(r.view["size"], r.view["ratio"], r.view["shape"]): r.view for r in data.of("fine-box/*")}
     rows = []
     for size, ratio in dict.fromkeys(key[:2] for key in records if key[0] != ONE):
-        shapes = [name for name in (*SHAPES, "flag") if (size, ratio, name) in records]
-        own, one = ({name: records[*place, name] for name in shapes} for place in ((size, ratio), (ONE, 1)))
-        row = {"size": size, "ratio": ratio, "beside": large_cells(size, ratio)}
-        row |= {f"cd_{name}": own[name]["cd"] / one[name]["cd"] - 1 for name in SHAPES}
-        row["cl_plate"] = own["plate"]["cl"] / one["plate"]["cl"] - 1
-        if "flag" in own:
-            row |= {name: own["flag"][name] / one["flag"][name] - 1 for name in ("±uy", "f")}
-        row["time"] = own["plate"]["cpu_s"] / one["plate"]["cpu_s"]
+        beside = beside_flag(size, ratio) if size in FLAGS else large_cells(size, ratio)
+        row: dict[str, Any] = {"size": size, "ratio": ratio, "beside": beside}
+        for shape in ("flag",) if size in FLAGS else SHAPES:
+            own, one = records[size, ratio, shape], records[ONE, 1, shape]
+            row |= {f"{name}_{shape}": own[name] / one[name] - 1 for name in ("cd", "cl", "±uy", "f") if one.get(name)}
+            row["time"] = own["cpu_s"] / one["cpu_s"]
         rows.append(row)
     return rows
 
@@ -177,6 +181,12 @@ def sheds(series: Series, begin: float) -> dict[str, float]:
     return means(series, begin, 2.0, cD="drag") | {"±cL": 2 * flapping.swing(series, "lift", begin)["amplitude"]}
 
 
+def shed_coefficients(series: Series) -> dict[str, float]:
+    """Return mean drag, amplitude of the lift, and Strouhal number of a cylinder that sheds vortices."""
+    found = flapping.shedding(series)
+    return {"cD": found["cd"], "±cL": found["cl"], "St": found["st"]}
+
+
 def means(series: Series, begin: float, scale: float, **columns: str) -> dict[str, float]:
     """Return the means of columns by name, times `scale`, from `begin` (s) on."""
     late = series["time"] >= begin
@@ -185,17 +195,26 @@ def means(series: Series, begin: float, scale: float, **columns: str) -> dict[st
 
 CIRCLE: dict[str, Any] = {"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 0.0]}
 IN_PLANE: dict[str, Any] = flapping.NARROW | {"fluid.box.cells": [384, 256]}
+SHAKEN: dict[str, Any] = IN_PLANE | {
+    "fluid.kinematic_viscosity": 1 / 185,
+    "fluid.bodies": [CIRCLE | {"motion": {"y": {"sine": {"amplitude": 0.2, "frequency": 0.195}}}}],
+}
 AROUND = {ratio: {"x": [-2.4, 3.6], "y": [-2.0, 2.0]} for ratio in (2, 4)}
 PAIRS: dict[str, Pair] = {
     "cylinder that shakes, Re 185": Pair(
         SCENE,
-        IN_PLANE
-        | {
-            "fluid.kinematic_viscosity": 1 / 185,
-            "fluid.bodies": [CIRCLE | {"motion": {"y": {"sine": {"amplitude": 0.2, "frequency": 0.195}}}}],
-        },
+        SHAKEN,
         lambda series: sheds(series, 30.0),
         AROUND | {4: {"x": [-2.4, 3.6], "y": [-2.5, 2.5]}},
+    ),
+    "the same on 24 cells": Pair(
+        SCENE,
+        SHAKEN | simulate.on_grid(576, 384, 0.04 / 3),
+        lambda series: sheds(series, 30.0),
+        AROUND | {4: {"x": [-2.4, 3.6], "y": [-2.5, 2.5]}},
+    ),
+    "cylinder that sheds, Re 100, 24 cells": Pair(
+        SCENE, IN_PLANE | flapping.SHEDDING | simulate.on_grid(576, 384, 0.04 / 3), shed_coefficients, AROUND
     ),
     "plate at 30°, Re 100": Pair(
         SCENE,

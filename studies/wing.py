@@ -84,6 +84,11 @@ FLAGS = {24: "144x96x96", 36: "216x144x144", 48: "288x192x192"}
 VARIED: dict[str, dict[str, Any]] = {
     "144x96x192, twice as high": {"fluid.box.z": [-4.0, 4.0], "fluid.box.cells": [144, 96, 192]},
     "144x96x96, to 30 s": {"time.end": 30.0},
+    "48 fine cells": space.grid([144, 96, 96], 0.003125)
+    | {
+        "fluid.fine_box": {"x": [-0.5, 1.75], "y": [-1.0, 1.0], "z": [-1.0, 1.0], "ratio": 2},
+        "wing.mesh.rectangular.along": 32,
+    },
 }
 """Changes to the square flag on the coarsest grid."""
 FLEXIBLE = (3.0, 10.0, 30.0, 1000.0, None)
