@@ -13,7 +13,7 @@
 use nalgebra::SVector;
 use rigid::{Freedoms, Kinematics, split};
 
-use crate::feature::{Feature, SOFT};
+use crate::feature::{Feature, MOST_RISE, SOFT};
 use crate::law::{Before, Film, Law, largest_stiffness};
 use crate::obstacle::{Obstacle, Pose};
 
@@ -134,8 +134,8 @@ enum Points<const D: usize> {
     Fixed(Vec<SVector<f64, D>>),
     /// That of the first line, which is the closest one to the second line, of the other part; both by their ends.
     Closest([[SVector<f64, D>; 2]; 2]),
-    /// Those of these features that are the closest ones to the other part, which may be rounded.
-    Features(Vec<Feature<D>>, Obstacle<D>),
+    /// Those of these features that are the closest ones to the other part, which may be rounded, with the length r, m.
+    Features { features: Vec<Feature<D>>, solid: Obstacle<D>, soft: f64 },
 }
 
 /// A point of a part and the other part there.
@@ -431,7 +431,7 @@ where
                 force: own.force,
                 stiffness: own.stiffness / c_0,
             });
-            // As the point slides, the arms change.
+            // As the bodies turn, the point slides along its feature.
             for way in slides.iter().flatten().filter(|way| way.norm_squared() > 0.0) {
                 let moved = rows(&normal, arms.map(|arm| arm + way));
                 let rows = [0, 1].map(|side| std::array::from_fn(|i| moved[side][i] - along[side][i]));
@@ -571,13 +571,13 @@ where
         match &self.points {
             Points::Fixed(points) => points.len(),
             Points::Closest(_) => 1,
-            Points::Features(features, _) => features.len(),
+            Points::Features { features, .. } => features.len(),
         }
     }
 
     /// Return whether a point by its number may be within reach at these poses of `of` and `on`; of all but features it is.
     fn may_touch(&self, k: usize, poses: [&Pose<D>; 2]) -> bool {
-        let Points::Features(features, solid) = &self.points else { return true };
+        let Points::Features { features, solid, .. } = &self.points else { return true };
         let Feature { middle, .. } = features[k];
         solid.nearest_own(poses[1].own(poses[0].place(middle))).distance
             < self.law.reach() + self.radius + features[k].size()
@@ -590,8 +590,8 @@ where
             Points::Closest([own, other]) => {
                 closest(own.map(|end| poses[0].place(end)), other.map(|end| poses[1].place(end)))
             }
-            Points::Features(features, solid) => {
-                let found = features[k].closest(solid, poses, SOFT * self.law.range);
+            Points::Features { features, solid, soft } => {
+                let found = features[k].closest(solid, poses, *soft);
                 let gap = found.gap - self.radius;
                 return Touching { point: found.point, gap, normal: found.normal, slides: Some(found.slides) };
             }
@@ -636,13 +636,14 @@ where
             (_, [Some(own), Some(other)]) if D == 3 => vec![pair([i, j], Points::Closest([own, other]))],
             _ if by_points => vec![pair([i, j], fixed(one)), pair([j, i], fixed(two))],
             _ => {
-                // So round that a point and what it meets have one normal.
+                // So round, and no deeper, that a point and what it meets have one normal.
                 let round = (0.5 * law.range).min(law.depth);
+                let soft = SOFT * round;
                 let side = |[of, on]: [usize; 2], [own, other]: [&Obstacle<D>; 2]| {
                     let is_sharp = own.radius() == 0.0 && other.radius() == 0.0 && !other.is_half_space();
                     let solid = if is_sharp { other.rounded(round) } else { other.clone() };
-                    let mut pair = pair([of, on], Points::Features(own.features(), solid));
-                    pair.law.depth = if is_sharp { round } else { law.depth };
+                    let mut pair = pair([of, on], Points::Features { features: own.features(other), solid, soft });
+                    pair.law.depth = if is_sharp { round } else { law.depth } - MOST_RISE * soft;
                     pair
                 };
                 vec![side([i, j], [one, two]), side([j, i], [two, one])]

@@ -10,26 +10,25 @@
 //! with a length r far below the range of the contact. The convex b is 0 in the middle and at most 2, and makes the closest
 //! point unique: that of an edge along a face is in its middle, and moves to an end as the edge tilts by r over its length.
 //! So g has a derivative everywhere, that at a fixed ξ, however the solids lie, and meetings neither come nor go in steps.
-//! With u = ξ/(1 − ξ²)^(1/2), of the disk and of the line, the condition is aᵢ·∇d + r uᵢ = 0.
+//! With u = ξ/(1 − ξ²)^(1/2), of the disk and of the line, the condition is a_i·∇d + r u_i = 0.
+
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::obstacle::{Nearest, Obstacle, Pose};
 
-/// Length r over the range of the contact.
-pub const SOFT: f64 = 0.05;
+/// Length r over the radius by which edges are rounded.
+pub const SOFT: f64 = 0.1;
 
-/// Most iterations; most features take one to five.
-const ITERATIONS: usize = 40;
+/// Largest b.
+pub const MOST_RISE: f64 = 2.0;
 
-/// Most halvings in an iteration.
-const HALVINGS: usize = 40;
+/// Most trials for each of the three shares; most take about eight.
+const TRIALS: usize = 60;
 
-/// Residual at which the closest point is found, relative to the size of the feature.
-const TOLERANCE: f64 = 1e-13;
-
-/// Part of the slope along a direction that may be left.
-const LEFT: f64 = 0.2;
+/// Residual at which a share is found, relative to the size of the feature.
+const TOLERANCE: f64 = 1e-14;
 
 /// A point, line, disk or cylinder of a solid in its axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,71 +66,100 @@ impl<const D: usize> Feature<D> {
 
     /// Return the point that is closest to a solid, both at their poses, with the length r, m.
     pub fn closest(&self, solid: &Obstacle<D>, [own, other]: [&Pose<D>; 2], soft: f64) -> Closest<D> {
+        let ways = self.ways.each_ref().map(|way| own.along(*way));
         // In the axes of the solid.
         let middle = other.own(own.place(self.middle));
-        let turn = |way: &SVector<f64, D>| own.along(*way);
-        let (ways, size) = (self.ways.each_ref().map(turn), self.size());
-        let across = SMatrix::<f64, D, 3>::from_columns(&ways.map(|way| other.across(way)));
-        let at = |xi: Vector3<f64>| solid.nearest_own(middle + across * xi);
-        let gradient = |found: &Nearest<D>| across.transpose() * found.normal;
-        let hessian = |u: Vector3<f64>, found: &Nearest<D>| {
-            (across.transpose() * found.curvature * across + second_derivative(u) * soft).cholesky()
-        };
-        let mut u = Vector3::zeros();
-        let mut found = at(u);
-        for _ in 0..if size > 0.0 { ITERATIONS } else { 0 } {
-            let (xi, residual) = (inner(u), gradient(&found) + soft * u);
-            if residual.amax() <= TOLERANCE * size {
-                break;
-            }
-            let newton = hessian(u, &found).map(|factor| u - second_derivative(u) * factor.solve(&residual));
-            // Else where a flat face has it, which always descends.
-            let descends = |next: &Vector3<f64>| residual.dot(&(inner(*next) - xi)) < 0.0;
-            u = newton.filter(descends).unwrap_or_else(|| u - residual / soft);
-            found = at(inner(u));
-            let way = inner(u) - xi;
-            let along = |u: Vector3<f64>, found: &Nearest<D>| (gradient(found) + soft * u).dot(&way);
-            let (left, [mut low, mut high]) = (LEFT * residual.dot(&way).abs(), [0.0, 1.0]);
-            let mut now = along(u, &found);
-            for _ in 0..if now > left { HALVINGS } else { 0 } {
-                let share = 0.5 * (low + high);
-                u = outer(xi + way * share);
-                found = at(inner(u));
-                now = along(u, &found);
-                if now.abs() <= left {
-                    break;
-                }
-                *(if now > 0.0 { &mut high } else { &mut low }) = share;
-            }
-        }
-        let shares = hessian(u, &found).and_then(|factor| factor.l().try_inverse()).filter(|_| size > 0.0);
-        let shares = shares.unwrap_or_else(Matrix3::zeros);
+        let across = SMatrix::from_columns(&ways.map(|way| other.across(way)));
+        let search = Search { solid, middle, across, soft, size: self.size() };
+        let Found { angles, nearest } = search.closest([0.0; 3], 0);
+        let (xi, u) = (shares(angles), slopes(angles));
+        let second = across.transpose() * nearest.curvature * across + second_derivative(u) * soft;
+        let factor = second.cholesky().and_then(|factor| factor.l().try_inverse()).unwrap_or_else(Matrix3::zeros);
         let sum = |shares: [f64; 3]| -> SVector<f64, D> { ways.iter().zip(shares).map(|(way, own)| way * own).sum() };
         Closest {
-            point: own.place(self.middle) + sum(inner(u).into()),
-            gap: found.distance + soft * rise(u),
-            normal: other.along(found.normal),
-            slides: std::array::from_fn(|i| sum(std::array::from_fn(|j| shares[(i, j)]))),
+            point: own.place(self.middle) + sum(xi.into()),
+            gap: nearest.distance + soft * rise(u),
+            normal: other.along(nearest.normal),
+            slides: std::array::from_fn(|i| sum(std::array::from_fn(|j| factor[(i, j)]))),
         }
     }
+}
+
+/// Search for the closest point, in the axes of the solid.
+struct Search<'a, const D: usize> {
+    solid: &'a Obstacle<D>,
+    middle: SVector<f64, D>,
+    /// Ways a_i as columns, m.
+    across: SMatrix<f64, D, 3>,
+    soft: f64,
+    size: f64,
+}
+
+/// A point of a feature by its angles: ξ = (sin t_1, cos t_1 sin t_2, sin t_3).
+struct Found<const D: usize> {
+    angles: [f64; 3],
+    nearest: Nearest<D>,
+}
+
+impl<const D: usize> Search<'_, D> {
+    /// Return the closest point whose first `fixed` angles are these. Minimized over some shares, a convex function stays
+    /// convex in the others, so the residual of each has one zero.
+    fn closest(&self, angles: [f64; 3], fixed: usize) -> Found<D> {
+        if fixed == 3 {
+            return Found { angles, nearest: self.solid.nearest_own(self.middle + self.across * shares(angles)) };
+        }
+        let way = self.across.column(fixed);
+        let with = |angle: f64| {
+            let found = self.closest(std::array::from_fn(|i| if i == fixed { angle } else { angles[i] }), fixed + 1);
+            let pull = way.dot(&found.nearest.normal);
+            // a·∇d + r u, times the cosine: bounded, and 0 at the same place.
+            (angle.cos() * (pull + self.soft * slopes(found.angles)[fixed]), found)
+        };
+        let (mut value, mut found) = with(0.0);
+        if way.norm_squared() == 0.0 {
+            return found;
+        }
+        // A bracket, with the values there, of which that of an end that stays is halved (Dowell & Jarratt 1971).
+        let mut ends = [(-FRAC_PI_2, -self.soft), (FRAC_PI_2, self.soft)];
+        // Where a flat face has it.
+        let mut next = -way.dot(&found.nearest.normal).atan2(self.soft);
+        let mut last = None;
+        for trial in 0..TRIALS {
+            if value.abs() <= TOLERANCE * self.size {
+                break;
+            }
+            let side = usize::from(value > 0.0);
+            ends[side] = (found.angles[fixed], value);
+            if last == Some(side) {
+                ends[1 - side].1 *= 0.5;
+            }
+            last = Some(side);
+            let [(low, below), (high, above)] = ends;
+            if trial > 0 || !(low < next && next < high) {
+                next = if trial % 4 == 3 { 0.5 * (low + high) } else { (low * above - high * below) / (above - below) };
+            }
+            if !(low < next && next < high) {
+                break;
+            }
+            (value, found) = with(next);
+        }
+        found
+    }
+}
+
+/// Return ξ.
+fn shares([one, two, line]: [f64; 3]) -> Vector3<f64> {
+    Vector3::new(one.sin(), one.cos() * two.sin(), line.sin())
+}
+
+/// Return u.
+fn slopes([one, two, line]: [f64; 3]) -> Vector3<f64> {
+    Vector3::new(one.tan() / two.cos(), two.tan(), line.tan())
 }
 
 /// Return (1 + u²)^(1/2) of the disk and of the line.
 fn roots(u: Vector3<f64>) -> [f64; 2] {
     [(1.0 + u[0] * u[0] + u[1] * u[1]).sqrt(), (1.0 + u[2] * u[2]).sqrt()]
-}
-
-/// Return ξ.
-fn inner(u: Vector3<f64>) -> Vector3<f64> {
-    let [disk, line] = roots(u);
-    Vector3::new(u[0] / disk, u[1] / disk, u[2] / line)
-}
-
-/// Return u.
-fn outer(xi: Vector3<f64>) -> Vector3<f64> {
-    let of = |square: f64| (1.0 - square).max(f64::EPSILON).sqrt();
-    let [disk, line] = [of(xi[0] * xi[0] + xi[1] * xi[1]), of(xi[2] * xi[2])];
-    Vector3::new(xi[0] / disk, xi[1] / disk, xi[2] / line)
 }
 
 /// Return b.

@@ -6,6 +6,9 @@ use nalgebra::{SMatrix, SVector};
 
 use crate::feature::Feature;
 
+/// Arm of the friction of a disk that spins on a face, over its radius.
+const MEAN_ARM: f64 = 2.0 / 3.0;
+
 /// A solid at its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle<const D: usize> {
@@ -155,39 +158,35 @@ impl<const D: usize> Obstacle<D> {
         if let Body::Block { half, .. } = self.solid { corners(&half) } else { Vec::new() }
     }
 
-    /// Return the edges and faces that find all contacts with another solid and that lie steady on it: of a cuboid its
-    /// edges, of a capsule its line and ends, of a cylinder itself, its ends and, by two thirds of the radius, where friction
-    /// acts on the mean, points on these. There are none of a solid without ends.
-    pub(crate) fn features(&self) -> Vec<Feature<D>> {
-        let none = [SVector::<f64, D>::zeros(); 3];
+    /// Return the edges and faces that find all contacts with another solid, and that lie steady on it: of a cuboid its
+    /// edges, of a capsule its line and ends, of a cylinder its ends and points on them where friction acts on the mean, for
+    /// another cylinder also itself. There are none of a solid without ends.
+    pub(crate) fn features(&self, other: &Self) -> Vec<Feature<D>> {
+        let none = SVector::<f64, D>::zeros();
         match self.solid {
             _ if self.reach() == f64::INFINITY => Vec::new(),
             Body::HalfSpace => Vec::new(),
             Body::Block { half, .. } => {
-                let mut found = Vec::new();
-                for axis in (0..D).filter(|axis| half[*axis] > 0.0) {
-                    let mut flat = half;
-                    flat[axis] = 0.0;
-                    let way = unit::<D>(axis) * half[axis];
-                    let ways = [none[0], none[1], way];
-                    found.extend(corners(&flat).into_iter().map(|middle| Feature { middle, ways }));
-                }
-                if self.line().is_some() {
-                    found.extend(corners(&half).into_iter().map(Feature::point));
-                }
-                found
+                let along = |axis: usize| {
+                    let flat = std::array::from_fn(|d| if d == axis { 0.0 } else { half[d] });
+                    let ways = [none, none, unit::<D>(axis) * half[axis]];
+                    corners(&flat).into_iter().map(move |middle| Feature { middle, ways })
+                };
+                let ends = self.line().into_iter().flatten().map(Feature::point);
+                (0..D).filter(|axis| half[*axis] > 0.0).flat_map(along).chain(ends).collect()
             }
             Body::Cylinder { axis, radius, half_length, .. } => {
                 let [one, two] = [1, 2].map(|by| unit::<D>((axis + by) % D) * radius);
                 let line = unit::<D>(axis) * half_length;
-                let end = |middle| Feature { middle, ways: [one, two, none[0]] };
-                let points = [line, -line]
-                    .into_iter()
-                    .flat_map(|middle| [one, -one, two, -two].map(|way| Feature::point(middle + way * (2.0 / 3.0))));
-                [Feature { middle: none[0], ways: [one, two, line] }, end(line), end(-line)]
-                    .into_iter()
-                    .chain(points)
-                    .collect()
+                let whole = Feature { middle: none, ways: [one, two, line] };
+                let faces = [line, -line].map(|middle| Feature { middle, ways: [one, two, none] });
+                let on_face = |face: &Feature<D>| {
+                    let middle = face.middle;
+                    [one, -one, two, -two].map(|way| Feature::point(middle + way * MEAN_ARM))
+                };
+                let points: Vec<_> = faces.iter().flat_map(on_face).collect();
+                let crosses = matches!(other.solid, Body::Cylinder { .. });
+                crosses.then_some(whole).into_iter().chain(faces).chain(points).collect()
             }
         }
     }

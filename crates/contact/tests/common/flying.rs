@@ -128,7 +128,7 @@ pub fn floor<const D: usize>() -> Obstacle<D> {
 }
 
 /// A number from 0 to 1.
-pub struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     pub fn next(&mut self) -> f64 {
