@@ -178,3 +178,84 @@ fn second_derivative(u: Vector3<f64>) -> Matrix3<f64> {
     }
     slope
 }
+
+#[cfg(test)]
+mod tests {
+    use geometry::space::Solid;
+    use nalgebra::Rotation3;
+
+    use super::*;
+
+    type V = Vector3<f64>;
+
+    fn turned(pose: &Pose<3>, [way, turn]: [V; 2]) -> Pose<3> {
+        let by = Rotation3::from_scaled_axis(turn);
+        Pose { axes: pose.axes.map(|axis| by * axis), origin: pose.origin + way }
+    }
+
+    /// The gap is a minimum, and changes as the point at fixed ξ does.
+    #[test]
+    fn gaps_are_least_and_have_the_derivatives_of_their_points() {
+        let (round, soft) = (0.03, 3e-3);
+        let line = [V::zeros(), V::zeros(), V::x() * 0.4];
+        let disk = [V::x() * 0.3, V::y() * 0.3, V::zeros()];
+        let whole = [V::x() * 0.2, V::y() * 0.2, V::z() * 0.3];
+        let solids = [
+            Solid::Cuboid([0.3, 0.2, 0.1]),
+            Solid::Cylinder { axis: 1, radius: 0.2, half_length: 0.3 },
+            Solid::Capsule { axis: 0, radius: 0.1, half_length: 0.3 },
+        ];
+        let mut seen = 0;
+        for k in 0..600 {
+            let part = |d: u32| 2.0 * (f64::from(k * (d + 1) + 1) * 0.618_033_988_749_895).fract() - 1.0;
+            let solid = solids[k as usize % 3];
+            let solid = Obstacle::of_solid(&solid, Pose::at([0.0; 3])).expect("no ellipsoid").rounded(round);
+            let feature = Feature { middle: V::new(0.1, 0.0, -0.1), ways: [line, disk, whole][k as usize / 3 % 3] };
+            let place = V::new(part(0), part(1), part(2)) * 0.5;
+            let pose = turned(&Pose::at([0.0; 3]), [place, V::new(part(3), part(4), part(5)) * 2.0]);
+            let gap = |change: [V; 2]| feature.closest(&solid, [&turned(&pose, change), &solid.pose], soft);
+            let found = gap([V::zeros(); 2]);
+            if found.gap < -0.8 * round {
+                continue; // no force reaches it
+            }
+            seen += 1;
+            for trial in 0..20 {
+                let share =
+                    |d: u32| 2.0 * (f64::from(k * 20 + trial + 1) * [0.414, 0.732, 0.236][d as usize]).fract() - 1.0;
+                let angles = [0, 1, 2].map(|d| share(d) * FRAC_PI_2);
+                let own = pose.place(feature.middle + SMatrix::from_columns(&feature.ways) * shares(angles));
+                let other = solid.nearest(own).distance + soft * rise(slopes(angles));
+                assert!(other > found.gap - 1e-12, "{k}: {other} at {angles:?} below {}", found.gap);
+            }
+            let step = 1e-6;
+            for d in 0..6 {
+                let unit = [0, 3].map(|first| V::from_fn(|i, _| f64::from(u8::from(first + i == d))));
+                let [low, high] = [-step, step].map(|by| gap(unit.map(|own| own * by)));
+                let slope = (high.gap - low.gap) / (2.0 * step);
+                let arm = found.point - pose.origin;
+                let expected = found.normal.dot(&(unit[0] + unit[1].cross(&arm)));
+                assert!((slope - expected).abs() < 1e-5, "{k}, {d}: {slope}, not {expected}");
+            }
+        }
+        assert!(seen > 300, "{seen} cases");
+    }
+
+    /// An edge along a face meets it in its middle, and tilted at an end; the way there is the second derivative.
+    #[test]
+    fn a_tilted_edge_slides_to_its_end() {
+        let (soft, half) = (1e-3, 0.3);
+        let wall = Obstacle::plane([0.0; 3], [0.0, 0.0, 1.0]);
+        let feature = Feature { middle: V::zeros(), ways: [V::zeros(), V::zeros(), V::x() * half] };
+        let at = |tilt: f64| {
+            let pose = turned(&Pose::at([0.0, 0.0, 0.1]), [V::zeros(), V::y() * tilt]);
+            feature.closest(&wall, [&pose, &wall.pose], soft)
+        };
+        let flat = at(0.0);
+        assert!((flat.point - V::z() * 0.1).norm() < 1e-15 && (flat.gap - 0.1).abs() < 1e-15, "{flat:?}");
+        assert!((at(0.1).point.x / half - 1.0).abs() < 6e-3, "{:?}", at(0.1));
+        let step = 1e-5;
+        let second = (at(step).gap + at(-step).gap - 2.0 * flat.gap) / (step * step);
+        let slides: f64 = flat.slides.iter().map(|way| V::z().dot(&V::y().cross(way)).powi(2)).sum();
+        assert!((second / -slides - 1.0).abs() < 1e-4, "{second}, not {}", -slides);
+    }
+}
