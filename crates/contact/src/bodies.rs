@@ -13,8 +13,9 @@
 use nalgebra::SVector;
 use rigid::{Freedoms, Kinematics, split};
 
+use crate::feature::{Feature, MOST_RISE, SOFT};
 use crate::law::{Before, Film, Law, largest_stiffness};
-use crate::obstacle::{Nearest, Obstacle, Pose};
+use crate::obstacle::{Obstacle, Pose};
 
 /// Most iterations; a contact takes about five.
 const ITERATIONS: usize = 50;
@@ -133,6 +134,20 @@ enum Points<const D: usize> {
     Fixed(Vec<SVector<f64, D>>),
     /// That of the first line, which is the closest one to the second line, of the other part; both by their ends.
     Closest([[SVector<f64, D>; 2]; 2]),
+    /// Those of these features that are the closest ones to the other part, which may be rounded, with the length r, m.
+    Features { features: Vec<Feature<D>>, solid: Obstacle<D>, soft: f64 },
+}
+
+/// A point of a part and the other part there.
+struct Touching<const D: usize> {
+    /// The point, m.
+    point: SVector<f64, D>,
+    /// Gap, m.
+    gap: f64,
+    /// Unit normal from the other part.
+    normal: SVector<f64, D>,
+    /// How the point slides along a feature, see [`crate::feature::Closest`].
+    slides: Option<[SVector<f64, D>; 3]>,
 }
 
 /// A point and what it may touch.
@@ -143,6 +158,8 @@ struct Meeting<const D: usize> {
     normals: [SVector<f64, D>; 2],
     /// The point, m.
     points: [SVector<f64, D>; 2],
+    /// How the point slides at the end of the step.
+    slides: Option<[SVector<f64, D>; 3]>,
     /// Way from the other part to its image that the point meets, m.
     shift: SVector<f64, D>,
 }
@@ -287,6 +304,13 @@ where
         1.0 / (1.0 / mass + arms.fold(0.0, f64::max) / inertia)
     }
 
+    /// Return the least mass with which anything as far from the pivot as the shape may answers, kg; infinite if it does not
+    /// move.
+    fn least_mass_within_reach(&self) -> f64 {
+        let Some([mass, inertia]) = self.inertia else { return f64::INFINITY };
+        1.0 / (1.0 / mass + (self.solid.reach() + self.pivot.norm()).powi(2) / inertia)
+    }
+
     /// Return the pose at the end of the step, moved on along the freedoms.
     fn moved(&self, way: &Freedoms) -> Pose<D> {
         let [_, Pose { axes, .. }] = self.motion.poses;
@@ -368,21 +392,17 @@ where
             if reach < f64::INFINITY && apart(from) && apart(to) {
                 continue;
             }
-            pair.points.for_each([from, to], |points| {
-                let nearest = |pose: &Pose<D>, point| on.solid.nearest_at(pose, point);
-                let [held, now] = [nearest(from[1], points[0]), nearest(to[1], points[1])];
-                let gap = |found: &Nearest<D>| found.distance - pair.radius;
-                emit(
-                    pair,
-                    Meeting { gaps: [gap(&held), gap(&now)], normals: [held.normal, now.normal], points, shift },
-                );
-            });
+            for k in (0..pair.count()).filter(|k| [from, to].iter().any(|poses| pair.may_touch(*k, *poses))) {
+                let [held, now] = [from, to].map(|poses| pair.touching(k, &on.solid, poses));
+                let (gaps, normals) = ([held.gap, now.gap], [held.normal, now.normal]);
+                emit(pair, Meeting { gaps, normals, points: [held.point, now.point], slides: now.slides, shift });
+            }
         }
     }
 
     /// Pass the parts of the potential of contact at these changes of the velocities to `emit`.
     fn terms(&self, change: &[Freedoms], c_0: f64, dt: f64, mut emit: impl FnMut(Term)) {
-        self.visit(|pair, Meeting { gaps: [before, gap], normals: [held, normal], points, shift }| {
+        self.visit(|pair, Meeting { gaps: [before, gap], normals: [held, normal], points, slides, shift }| {
             let (law, parts) = (&pair.law, [pair.of, pair.on]);
             if before.min(gap) >= law.reach() {
                 return;
@@ -402,13 +422,21 @@ where
                 [of, on - shift]
             };
             let own = law.response(gap, Some(Before { gap: before, dt }));
+            let arms = arms_at(points[1], parts.map(|k| &self.ends[k]));
+            let along = rows(&normal, arms);
             emit(Term {
                 parts,
-                rows: rows(&normal, arms_at(points[1], parts.map(|k| &self.ends[k]))),
+                rows: along,
                 potential: c_0 * own.potential,
                 force: own.force,
                 stiffness: own.stiffness / c_0,
             });
+            // As the bodies turn, the point slides along its feature.
+            for way in slides.iter().flatten().filter(|way| way.norm_squared() > 0.0) {
+                let moved = rows(&normal, arms.map(|arm| arm + way));
+                let rows = [0, 1].map(|side| std::array::from_fn(|i| moved[side][i] - along[side][i]));
+                emit(Term { parts, rows, potential: 0.0, force: 0.0, stiffness: own.force.max(0.0) / c_0 });
+            }
             let pressed = law.penalty(before).force;
             if law.friction * pressed == 0.0 {
                 return;
@@ -532,11 +560,10 @@ where
         poses: [&Pose<D>; 2],
         mut emit: impl FnMut(SVector<f64, D>, f64, SVector<f64, D>),
     ) {
-        self.points.for_each([poses; 2], |[point, _]| {
-            let nearest = solid.nearest_at(poses[1], point);
-            let gap = nearest.distance - self.radius;
-            emit(point - nearest.normal * (self.radius + 0.5 * gap), gap, nearest.normal);
-        });
+        for k in (0..self.count()).filter(|k| self.may_touch(*k, poses)) {
+            let Touching { point, gap, normal, .. } = self.touching(k, solid, poses);
+            emit(point - normal * (self.radius + 0.5 * gap), gap, normal);
+        }
     }
 
     /// Return the number of points that may touch.
@@ -544,15 +571,45 @@ where
         match &self.points {
             Points::Fixed(points) => points.len(),
             Points::Closest(_) => 1,
+            Points::Features { features, .. } => features.len(),
         }
+    }
+
+    /// Return whether a point by its number may be within reach at these poses of `of` and `on`; of all but features it is.
+    fn may_touch(&self, k: usize, poses: [&Pose<D>; 2]) -> bool {
+        let Points::Features { features, solid, .. } = &self.points else { return true };
+        let Feature { middle, .. } = features[k];
+        solid.nearest_own(poses[1].own(poses[0].place(middle))).distance
+            < self.law.reach() + self.radius + features[k].size()
+    }
+
+    /// Return a point by its number at these poses of `of` and `on`, the latter with this solid.
+    fn touching(&self, k: usize, solid: &Obstacle<D>, poses: [&Pose<D>; 2]) -> Touching<D> {
+        let point = match &self.points {
+            Points::Fixed(points) => poses[0].place(points[k]),
+            Points::Closest([own, other]) => {
+                closest(own.map(|end| poses[0].place(end)), other.map(|end| poses[1].place(end)))
+            }
+            Points::Features { features, solid, soft } => {
+                let found = features[k].closest(solid, poses, *soft);
+                let gap = found.gap - self.radius;
+                return Touching { point: found.point, gap, normal: found.normal, slides: Some(found.slides) };
+            }
+        };
+        let nearest = solid.nearest_at(poses[1], point);
+        Touching { point, gap: nearest.distance - self.radius, normal: nearest.normal, slides: None }
     }
 
     /// Return how two parts touch.
     pub fn all(numbers: [usize; 2], parts: [&Part<D>; 2], law: &BodyLaw) -> Vec<Self> {
         let [one, two] = parts.map(|part| &part.solid);
-        let masses = parts.map(Part::least_mass);
-        let mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1]);
         let balls = [one, two].map(Obstacle::ball_radius);
+        let lines = [one, two].map(Obstacle::line);
+        let has_wall = one.is_half_space() || two.is_half_space();
+        let is_cylinder = [one, two].iter().any(|solid| solid.points().is_empty() && !solid.is_half_space());
+        let by_points = D == 2 || balls != [None; 2] || (has_wall && !is_cylinder) || lines.iter().all(Option::is_some);
+        let masses = parts.map(|part| if by_points { part.least_mass() } else { part.least_mass_within_reach() });
+        let mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1]);
         let film = law.film.and_then(|film| {
             let curvature =
                 |ball: Option<f64>, other: &Obstacle<D>| ball.map(|r| 1.0 / r).or(other.is_half_space().then_some(0.0));
@@ -573,24 +630,23 @@ where
         };
         let [i, j] = numbers;
         let fixed = |of: &Obstacle<D>| Points::Fixed(of.points());
-        match (balls, [one, two].map(Obstacle::line)) {
+        match (balls, lines) {
             ([Some(_), _], _) => vec![pair([i, j], fixed(one))],
             ([_, Some(_)], _) => vec![pair([j, i], fixed(two))],
             (_, [Some(own), Some(other)]) if D == 3 => vec![pair([i, j], Points::Closest([own, other]))],
-            _ => vec![pair([i, j], fixed(one)), pair([j, i], fixed(two))],
-        }
-    }
-}
-
-impl<const D: usize> Points<D> {
-    /// Call `visit` with each point at two pairs of poses of both parts.
-    fn for_each(&self, poses: [[&Pose<D>; 2]; 2], mut visit: impl FnMut([SVector<f64, D>; 2])) {
-        match self {
-            Self::Fixed(points) => points.iter().for_each(|point| visit(poses.map(|[own, _]| own.place(*point)))),
-            Self::Closest([own, other]) => {
-                visit(poses.map(|[pose, of_other]| {
-                    closest(own.map(|end| pose.place(end)), other.map(|end| of_other.place(end)))
-                }))
+            _ if by_points => vec![pair([i, j], fixed(one)), pair([j, i], fixed(two))],
+            _ => {
+                // So round, and no deeper, that a point and what it meets have one normal.
+                let round = (0.5 * law.range).min(law.depth);
+                let soft = SOFT * round;
+                let side = |[of, on]: [usize; 2], [own, other]: [&Obstacle<D>; 2]| {
+                    let is_sharp = own.radius() == 0.0 && other.radius() == 0.0 && !other.is_half_space();
+                    let solid = if is_sharp { other.rounded(round) } else { other.clone() };
+                    let mut pair = pair([of, on], Points::Features { features: own.features(other), solid, soft });
+                    pair.law.depth = if is_sharp { round } else { law.depth } - MOST_RISE * soft;
+                    pair
+                };
+                vec![side([i, j], [one, two]), side([j, i], [two, one])]
             }
         }
     }

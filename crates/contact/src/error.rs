@@ -54,13 +54,13 @@ pub enum BodyError {
     /// Two shapes whose contact is not known.
     #[error(
         "{} and {} cannot touch: in the plane a circle, rectangle or capsule touches all of them and walls, in space a \
-         sphere any shape but an ellipsoid, a capsule another one, and a sphere, capsule or cuboid a wall", .0[0], .0[1]
+         sphere, capsule, cuboid or cylinder does, but a cylinder without ends no wall and no other one", .0[0], .0[1]
     )]
     Touch([String; 2]),
-    /// Two bodies that are too deep in each other.
+    /// Two bodies that are too deep in each other: half a thickness, in space of edges 0.4 of the range.
     #[error(
-        "{} and {} are deeper in each other at t = {time:.6e} s than half a thickness: begin apart, or drive them less \
-         far", bodies[0], bodies[1]
+        "{} and {} are deeper in each other at t = {time:.6e} s than half a thickness, or edges than 0.4 `contact.range`: \
+         begin apart, or drive them less far", bodies[0], bodies[1]
     )]
     Deep {
         /// End of the step, s.

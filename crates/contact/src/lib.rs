@@ -19,6 +19,7 @@ mod cells;
 mod coupling;
 mod encounter;
 mod error;
+mod feature;
 mod flexible;
 mod law;
 mod obstacle;

@@ -4,6 +4,11 @@ use geometry::plane::Outline;
 use geometry::space::Solid;
 use nalgebra::{SMatrix, SVector};
 
+use crate::feature::Feature;
+
+/// Arm of the friction of a disk that spins on a face, over its radius.
+const MEAN_ARM: f64 = 2.0 / 3.0;
+
 /// A solid at its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obstacle<const D: usize> {
@@ -19,8 +24,8 @@ enum Body<const D: usize> {
     HalfSpace,
     /// All points closer than `radius` to a block with these halves of its lengths, m, which may be 0 or infinite.
     Block { half: [f64; D], radius: f64 },
-    /// Circular cylinder with flat ends along an axis, m; only in space.
-    Cylinder { axis: usize, radius: f64, half_length: f64 },
+    /// All points closer than `round` to a circular cylinder with flat ends along an axis, m; only in space.
+    Cylinder { axis: usize, radius: f64, half_length: f64, round: f64 },
 }
 
 /// Place of a solid: directions of its own axes and their origin, m.
@@ -56,11 +61,16 @@ impl<const D: usize> Pose<D> {
 
     /// Return a point of the box in the solid's axes.
     pub fn own(&self, p: SVector<f64, D>) -> SVector<f64, D> {
-        let from = p - self.origin;
-        SVector::from_fn(|d, _| self.axes[d].dot(&from))
+        self.across(p - self.origin)
     }
 
-    fn along(&self, own: SVector<f64, D>) -> SVector<f64, D> {
+    /// Return a vector of the box in the solid's axes.
+    pub(crate) fn across(&self, vector: SVector<f64, D>) -> SVector<f64, D> {
+        SVector::from_fn(|d, _| self.axes[d].dot(&vector))
+    }
+
+    /// Return a vector of the solid's axes in those of the box.
+    pub(crate) fn along(&self, own: SVector<f64, D>) -> SVector<f64, D> {
         self.axes.iter().zip(own.iter()).map(|(axis, part)| axis * *part).sum()
     }
 
@@ -97,30 +107,33 @@ impl<const D: usize> Obstacle<D> {
 
     /// Return the closest point to `p` (m) of the obstacle at another place.
     pub fn nearest_at(&self, pose: &Pose<D>, p: SVector<f64, D>) -> Nearest<D> {
-        let own = pose.own(p);
+        let Nearest { distance, normal, curvature } = self.nearest_own(pose.own(p));
+        let axes = SMatrix::<f64, D, D>::from_columns(&pose.axes);
+        Nearest { distance, normal: axes * normal, curvature: axes * curvature * axes.transpose() }
+    }
+
+    /// Return the same for a point in the solid's axes, also in these.
+    pub(crate) fn nearest_own(&self, own: SVector<f64, D>) -> Nearest<D> {
         let (distance, normal, curvature) = match &self.solid {
             Body::HalfSpace => (own[0], unit(0), SMatrix::zeros()),
             Body::Block { half, radius } => nearest_of_block(own, half, *radius),
-            Body::Cylinder { axis, radius, half_length } => nearest_of_cylinder(own, *axis, *radius, *half_length),
+            Body::Cylinder { axis, radius, half_length, round } => {
+                let (distance, normal, curvature) = nearest_of_cylinder(own, *axis, *radius, *half_length);
+                (distance - round, normal, curvature)
+            }
         };
-        let axes = SMatrix::<f64, D, D>::from_columns(&pose.axes);
-        Nearest { distance, normal: axes * normal, curvature: axes * curvature * axes.transpose() }
+        Nearest { distance, normal, curvature }
     }
 }
 
 /// What contact of two solids needs of each.
 impl<const D: usize> Obstacle<D> {
-    /// Return whether points of one solid find all contacts with the other: in the plane of all but cylinders, and of a
-    /// half space with all but another; in space of balls with all, and of capsules with each other.
+    /// Return whether the contact of two solids is known: not that of two half spaces, nor of a cylinder without ends with
+    /// a half space or another one.
     pub fn can_touch(&self, other: &Self) -> bool {
-        let is_block = |of: &Self| matches!(of.solid, Body::Block { .. });
         let is_ball = |of: &Self| of.ball_radius().is_some();
-        let both = is_block(self) && is_block(other);
-        is_ball(self)
-            || is_ball(other)
-            || (both && (D == 2 || (self.line().is_some() && other.line().is_some())))
-            || (is_block(self) && other.is_half_space())
-            || (self.is_half_space() && is_block(other))
+        let is_endless = |of: &Self| of.is_half_space() || of.reach() == f64::INFINITY;
+        is_ball(self) || is_ball(other) || !(is_endless(self) && is_endless(other))
     }
 
     /// Return the radius of a ball, m; none of another solid.
@@ -142,12 +155,54 @@ impl<const D: usize> Obstacle<D> {
 
     /// Return the points by which it touches, each with [`Self::radius`]: the corners of its block, m.
     pub(crate) fn points(&self) -> Vec<SVector<f64, D>> {
-        let Body::Block { half, .. } = self.solid else { return Vec::new() };
-        half.iter().enumerate().filter(|(_, half)| **half > 0.0).fold(vec![SVector::zeros()], |points, (d, half)| {
-            let shifted =
-                |point: &SVector<f64, D>, to: f64| SVector::from_fn(|e, _| if e == d { to } else { point[e] });
-            points.iter().flat_map(|point| [-half, *half].map(|to| shifted(point, to))).collect()
-        })
+        if let Body::Block { half, .. } = self.solid { corners(&half) } else { Vec::new() }
+    }
+
+    /// Return the edges and faces that find all contacts with another solid, and that lie steady on it: of a cuboid its
+    /// edges, of a capsule its line and ends, of a cylinder its ends and points on them where friction acts on the mean, for
+    /// another cylinder also itself. There are none of a solid without ends.
+    pub(crate) fn features(&self, other: &Self) -> Vec<Feature<D>> {
+        let none = SVector::<f64, D>::zeros();
+        match self.solid {
+            _ if self.reach() == f64::INFINITY => Vec::new(),
+            Body::HalfSpace => Vec::new(),
+            Body::Block { half, .. } => {
+                let along = |axis: usize| {
+                    let flat = std::array::from_fn(|d| if d == axis { 0.0 } else { half[d] });
+                    let ways = [none, none, unit::<D>(axis) * half[axis]];
+                    corners(&flat).into_iter().map(move |middle| Feature { middle, ways })
+                };
+                let ends = self.line().into_iter().flatten().map(Feature::point);
+                (0..D).filter(|axis| half[*axis] > 0.0).flat_map(along).chain(ends).collect()
+            }
+            Body::Cylinder { axis, radius, half_length, .. } => {
+                let [one, two] = [1, 2].map(|by| unit::<D>((axis + by) % D) * radius);
+                let line = unit::<D>(axis) * half_length;
+                let whole = Feature { middle: none, ways: [one, two, line] };
+                let faces = [line, -line].map(|middle| Feature { middle, ways: [one, two, none] });
+                let on_face = |face: &Feature<D>| {
+                    let middle = face.middle;
+                    [one, -one, two, -two].map(|way| Feature::point(middle + way * MEAN_ARM))
+                };
+                let points: Vec<_> = faces.iter().flat_map(on_face).collect();
+                let crosses = matches!(other.solid, Body::Cylinder { .. });
+                crosses.then_some(whole).into_iter().chain(faces).chain(points).collect()
+            }
+        }
+    }
+
+    /// Return the solid with edges rounded by a radius (m) of at most half its thickness; a solid that is round stays.
+    pub(crate) fn rounded(&self, by: f64) -> Self {
+        let solid = match self.solid {
+            Body::Block { half, radius: 0.0 } => {
+                Body::Block { half: half.map(|half| (half - by).max(0.0)), radius: by }
+            }
+            Body::Cylinder { axis, radius, half_length, .. } => {
+                Body::Cylinder { axis, radius: radius - by, half_length: half_length - by, round: by }
+            }
+            ref same => *same,
+        };
+        Self { solid, pose: self.pose }
     }
 
     /// Return the radius of these points, m.
@@ -160,7 +215,7 @@ impl<const D: usize> Obstacle<D> {
         match self.solid {
             Body::HalfSpace => f64::INFINITY,
             Body::Block { half, radius } => half.into_iter().fold(f64::INFINITY, f64::min) + radius,
-            Body::Cylinder { radius, half_length, .. } => radius.min(half_length),
+            Body::Cylinder { radius, half_length, round, .. } => radius.min(half_length) + round,
         }
     }
 
@@ -169,7 +224,7 @@ impl<const D: usize> Obstacle<D> {
         match self.solid {
             Body::HalfSpace => f64::INFINITY,
             Body::Block { half, radius } => SVector::from(half).norm() + radius,
-            Body::Cylinder { radius, half_length, .. } => radius.hypot(half_length),
+            Body::Cylinder { radius, half_length, round, .. } => radius.hypot(half_length) + round,
         }
     }
 }
@@ -195,11 +250,19 @@ impl Obstacle<3> {
             Solid::Sphere(radius) => Body::Block { half: [0.0; 3], radius },
             Solid::Cuboid(half) => Body::Block { half, radius: 0.0 },
             Solid::Capsule { axis, radius, half_length } => Body::Block { half: along(axis, half_length), radius },
-            Solid::Cylinder { axis, radius, half_length } => Body::Cylinder { axis, radius, half_length },
+            Solid::Cylinder { axis, radius, half_length } => Body::Cylinder { axis, radius, half_length, round: 0.0 },
             Solid::Ellipsoid(_) => return None,
         };
         Some(Self { solid, pose })
     }
+}
+
+/// Return the corners of a block, m, which has fewer where halves of its lengths are 0.
+fn corners<const D: usize>(half: &[f64; D]) -> Vec<SVector<f64, D>> {
+    half.iter().enumerate().filter(|(_, half)| **half > 0.0).fold(vec![SVector::zeros()], |points, (d, half)| {
+        let shifted = |point: &SVector<f64, D>, to: f64| SVector::from_fn(|e, _| if e == d { to } else { point[e] });
+        points.iter().flat_map(|point| [-half, *half].map(|to| shifted(point, to))).collect()
+    })
 }
 
 /// Distance, normal and curvature.

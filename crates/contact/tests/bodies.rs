@@ -1,6 +1,7 @@
 //! Rigid bodies without a fluid, in two-step backward differences.
 
 #[path = "common/flying.rs"]
+#[allow(dead_code, reason = "other tests use the rest")]
 mod flying;
 
 use std::f64::consts::PI;

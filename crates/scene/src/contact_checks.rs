@@ -268,27 +268,15 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     for (own, body) in &moving {
         let (shape, key) = (&body.shape, format!("{own}.shape"));
         let name = shape.dimension(true).1;
-        faults.require(scene.contact_walls().is_empty() || !is_cylinder(shape), &key, name, || {
-            "contact of a `circular_cylinder` with a wall is not known: take a `capsule`".into()
+        faults.require(scene.contact_walls().is_empty() || !shape.is_endless(), &key, name, || {
+            "contact of a `circular_cylinder` without ends with a wall is not known: give it a `length`".into()
         });
-        let touches = |other: &Shape| {
-            let pair = [shape, other];
-            let is_capsule = |shape: &&Shape| matches!(shape, Shape::Capsule { .. });
-            pair.iter().any(|shape| shape.is_round()) || pair.iter().all(is_capsule)
-        };
-        for (other, body) in all.iter().filter(|(other, _)| other != own) {
-            faults.require(touches(&body.shape), &key, name, || {
-                let its = body.shape.dimension(true).1;
-                format!(
-                    "contact is not known with the {its} of `{other}`: a `sphere` touches all, a `capsule` another one"
-                )
+        for (other, _) in all.iter().filter(|(other, body)| other != own && body.shape.is_endless()) {
+            faults.require(!shape.is_endless(), &key, name, || {
+                format!("contact is not known with `{other}`, as both have no ends: give one a `length`")
             });
         }
     }
-}
-
-fn is_cylinder(shape: &Shape) -> bool {
-    matches!(shape, Shape::CircularCylinder { .. })
 }
 
 /// Return whether a shape can touch.

@@ -23,7 +23,7 @@ where
 {
     pub contacts: BodyContacts<D>,
     pub bodies: Vec<(Free<D>, DisplacementHistory<D>)>,
-    gravity: SVector<f64, D>,
+    pub gravity: SVector<f64, D>,
     dt: f64,
     last: f64,
 }
@@ -99,8 +99,16 @@ where
         Ok(())
     }
 
+    /// Turn a body by an angle, rad.
+    pub fn turn(&mut self, k: usize, angle: [f64; 3]) {
+        let (_, history) = &mut self.bodies[k];
+        let turned = from_fn(|i| if i < D { history.now.position[i] } else { angle[i - D] });
+        history.now = rigid::Pose::new(&turned, &history.now.rates());
+        history.before = history.now;
+    }
+
     /// Return the kinetic energy, J.
-    fn energy(&self) -> f64 {
+    pub fn energy(&self) -> f64 {
         let kinetic = |(body, history): &(Free<D>, DisplacementHistory<D>)| {
             let rates = history.now.rates();
             let square = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
@@ -120,17 +128,17 @@ pub fn floor<const D: usize>() -> Obstacle<D> {
 }
 
 /// A number from 0 to 1.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
     }
 }
@@ -141,6 +149,34 @@ impl Random {
 /// # Errors
 /// A step that fails.
 pub fn fly<const D: usize>(case: u64) -> Result<[f64; 3], String>
+where
+    [f64; D]: SpringDynamics<D>,
+{
+    let shape = |random: &mut Random| {
+        let radius = random.between(0.15, 0.3);
+        let long = random.between(0.1, 0.4);
+        let half = match random.between(0.0, 3.0) as usize {
+            0 => [0.0; D],
+            1 => from_fn(|d| if d == 0 { long } else { 0.0 }),
+            _ if D == 2 => from_fn(|d| if d == 0 { long } else { 0.2 }),
+            _ => [0.0; D],
+        };
+        let radius = if half[1] > 0.0 { 0.0 } else { radius };
+        let size = half.iter().map(|half| half * half).sum::<f64>() + radius * radius;
+        (Obstacle::block([0.0; D], half, radius), size)
+    };
+    throw(case, shape, Obstacle::block([0.0; D], [0.0; D], 0.15))
+}
+
+/// Let bodies of these shapes, each with the square of its size, m², fly as [`fly`] does, about a pillar.
+///
+/// # Errors
+/// A step that fails.
+pub fn throw<const D: usize>(
+    case: u64,
+    shape: impl Fn(&mut Random) -> (Obstacle<D>, f64),
+    pillar: Obstacle<D>,
+) -> Result<[f64; 3], String>
 where
     [f64; D]: SpringDynamics<D>,
 {
@@ -156,33 +192,17 @@ where
     };
     let mut bodies = Vec::<Free<D>>::new();
     for k in 0..4 {
-        let radius = random.between(0.15, 0.3);
-        let long = random.between(0.1, 0.4);
-        let half = match random.between(0.0, 3.0) as usize {
-            0 => [0.0; D],
-            1 => from_fn(|d| if d == 0 { long } else { 0.0 }),
-            _ if D == 2 => from_fn(|d| if d == 0 { long } else { 0.2 }),
-            _ => [0.0; D],
-        };
-        let radius = if half[1] > 0.0 { 0.0 } else { radius };
+        let (solid, size) = shape(&mut random);
         let mass = 10.0_f64.powf(random.between(-0.5, 0.5));
-        let size = half.iter().map(|half| half * half).sum::<f64>() + radius * radius;
         let place = from_fn(|d| (if k >> d & 1 == 0 { -0.8 } else { 0.8 }) + random.between(-0.05, 0.05));
         let rates = from_fn(|i| if i < <[f64; D]>::FREEDOMS { random.between(-1.0, 1.0) } else { 0.0 });
-        bodies.push(Free {
-            solid: Obstacle::block([0.0; D], half, radius),
-            mass,
-            inertia: 0.4 * mass * size,
-            place,
-            rates,
-        });
+        bodies.push(Free { solid, mass, inertia: 0.4 * mass * size, place, rates });
     }
     let walls = (0..2 * D).map(|k| {
         let (axis, side) = (k / 2, if k % 2 == 0 { 1.0 } else { -1.0 });
         let along = |size: f64| from_fn(|d| if d == axis { size } else { 0.0 });
         Obstacle::plane(along(-1.6 * side), along(side))
     });
-    let pillar = Obstacle::block([0.0; D], [0.0; D], 0.15);
     let mut world = World::new(bodies, walls.chain([pillar]).collect(), &law);
     let (start, [mut touched, mut most, mut depth]) = (world.energy(), [0.0, 0.0_f64, 0.0_f64]);
     for step in 0..200 {
