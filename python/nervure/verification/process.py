@@ -374,9 +374,10 @@ class Verification:
         for parameter in self.plan.parameters:
             part, beside = is_part(parameter.name, self.plan.sizes), self._beside(parameter)
             few = len(self._sequence() if parameter is first else beside) < (LEAST if parameter is first else 2)
-            if not few and (part or not _matters(wide, parameter.name, self.within / ROOT2)):
+            again = base is not None and parameter is not first and base not in beside
+            if not few and (part or not _matters(wide, parameter.name, self.within / ROOT2, again)):
                 continue
-            if base and parameter is not first and (few or base not in beside):
+            if base and parameter is not first and (few or again):
                 known = parameter.name in self.plan.left_out or (part and costly)
                 wanted += [] if known else self.plan.beside(base, [parameter])
             elif finer := self._finer(parameter):
@@ -466,13 +467,15 @@ class Verification:
         return (best[2], best[1], best[0]) if best else None, [(wall, error) for wall, error, _ in front]
 
 
-def _matters(wide: Sequence[Quantity], parameter: str, limit: float) -> bool:
+def _matters(wide: Sequence[Quantity], parameter: str, limit: float, again: bool = False) -> bool:
     """Return whether a parameter makes much of a bar that is too wide, more than `limit`, and half as much as any, or
-    most of it; and whether a run could narrow it: not the difference of the finest run from the size 1."""
+    most of it; and whether a run could narrow it: one beside `again` another setting, or where it is not the difference
+    of the finest run from the size 1."""
     for one in wide:
         made_by = bars(one.shares)
         most, own = max(made_by.values()), made_by.get(parameter, 0.0)
-        if own >= min(most, max(limit * one.scale, most / 2)) and one.shares[parameter].uncertainty >= SHARED * own:
+        is_much = own >= min(most, max(limit * one.scale, most / 2))
+        if is_much and (again or one.shares[parameter].uncertainty >= SHARED * own):
             return True
     return False
 
