@@ -71,7 +71,7 @@ def by_scene(data: Data) -> list[dict[str, Any]]:
     """Return the bars of each scene, the first one with what its verification took."""
     rows = []
     for record in data.of("bars/scene/*"):
-        about = {"within": record.case.options["within"], "spent": record["spent_s"], "cost": record.get("cost")}
+        about = {"within": record.case.options["within"], "spent": record["spent_s"]}
         for row in record.tables["bars"]:
             name = record.case.scene + " at 30°" * bool(record.case.changes)
             rows.append({"scene": name, **row, **about})

@@ -219,11 +219,19 @@ def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -
     return found
 
 
+def first_decile(times: list[float]) -> float:
+    return float(np.quantile(times, 0.1))
+
+
 def in_turns(
-    scenes: Sequence[dict[str, Any]], folder: Path, steps: int, clock: Callable[[Session], float]
+    scenes: Sequence[dict[str, Any]],
+    folder: Path,
+    steps: int,
+    clock: Callable[[Session], float],
+    typical: Callable[[list[float]], float] = first_decile,
 ) -> list[float]:
     """Return the time of a step of each scene by `clock`, ms. They step in turns, so that all find the machine and its
-    caches alike; the times are first deciles, as other programs lengthen the rest."""
+    caches alike; `typical` of their times is by default the first decile, as other programs lengthen the rest."""
     spent: list[list[float]] = [[] for _ in scenes]
     with ExitStack() as stack:
         runs = [stack.enter_context(session(scene, folder / str(number))) for number, scene in enumerate(scenes)]
@@ -234,7 +242,7 @@ def in_turns(
                 begin = clock(run)
                 run.step()
                 times.append(clock(run) - begin)
-    return [1e3 * float(np.quantile(times[WARM:], 0.1)) for times in spent]
+    return [1e3 * typical(times[WARM:]) for times in spent]
 
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:

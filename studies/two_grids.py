@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import product
 from math import pi, radians
 from pathlib import Path
+from statistics import mean
 from time import process_time
 from typing import Any
-
-import numpy as np
 
 from nervure.evaluate.statistics import Series
 from nervure.output.forecast import resident_memory
@@ -314,7 +312,6 @@ def far() -> Iterator[Case]:
 DISTANT = Study("grid-far", far, lambda case, run: run.found)
 
 
-WARM = 4  # Steps before those that count
 APIECE: dict[str, Any] = {"fluid.precision": "single", "fluid.threads": 1}
 PLATE: dict[str, Any] = APIECE | {
     "time.communication_step": 0.0125,
@@ -360,30 +357,25 @@ COSTS: dict[str, tuple[str, int, list[dict[str, Any]]]] = {
 def costs() -> Iterator[Case]:
     for label, (scene, steps, both) in COSTS.items():
         options = {"steps": steps, "one": both[1]}
-        yield Case(f"space/{label}", FLUID, scene, both[0], options, in_turns)
+        yield Case(f"space/{label}", FLUID, scene, both[0], options, beside_one)
 
 
-def in_turns(case: Case, folder: Path) -> dict[str, Any]:
-    """Return the mean processor time of a step on two grids and on one, in turns, ms, as the large grid takes one of
+def beside_one(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the processor time of a step on two grids and on one, ms, as a mean because the large grid takes one of
     several steps, and the ratios of time and memory."""
     scenes = [case.built(), simulate.changed(case.scene, case.options["one"])]
-    spent, memory = np.zeros(2), np.zeros(2)
-    with ExitStack() as stack:
-        runs = []
-        for number, scene in enumerate(scenes):
-            before = resident_memory()
-            runs.append(stack.enter_context(simulate.session(scene, folder / str(number))))
-            runs[-1].start()
-            for _ in range(WARM):
-                runs[-1].step()
-            memory[number] = resident_memory() - before
-        for _ in range(case.options["steps"]):
-            for number, run in enumerate(runs):
-                begin = process_time()
-                run.step()
-                spent[number] += process_time() - begin
-    two, one = 1e3 * spent / case.options["steps"]
-    return {"times": {"two_ms": two, "one_ms": one, "time": two / one, "memory": float(memory[0] / memory[1])}}
+    two, one = simulate.in_turns(scenes, folder, case.options["steps"], lambda _: process_time(), mean)
+    memory = [held(scene, folder) for scene in scenes]
+    return {"times": {"two_ms": two, "one_ms": one, "time": two / one, "memory": memory[0] / memory[1]}}
+
+
+def held(scene: dict[str, Any], folder: Path) -> int:
+    """Return the memory that the units of a scene take by their first step, bytes."""
+    before = resident_memory()
+    with simulate.session(scene, folder) as session:
+        session.start()
+        session.step()
+        return resident_memory() - before
 
 
 COST = Study("grid-cost", costs, lambda case, run: run.found)

@@ -263,6 +263,22 @@ def test_other_parameters_vary_beside_a_run_that_hardly_scatters(tmp_path, scatt
     assert flag._base().name == beside
 
 
+def test_a_parameter_whose_runs_stand_beside_another_flow_is_varied_again(tmp_path):
+    """Finer segments change the coarsest run, which scatters, by half, and no further run beside it narrows that."""
+    flag = known_flag(tmp_path, 0.0)
+    base = flag.settings["cells=2.83"]
+    for factor, drag in ((0.5, 0.5), (2.0, 1.02)):
+        setting = flag.plan.setting({**base.factors, "segments": factor})
+        flag.settings[setting.name] = setting
+        flag.rows[setting.name] = {"status": sweep.FINISHED, "drag_mean": drag}
+    flag.noise["cells=2.83", "drag_mean"] = 0.3
+    for name in ("cells=2", "cells=1.41"):
+        flag.rows[name]["drag_mean"] = 1.0
+    wanted = [one.name for one in flag._next_round(flag._found())]
+    print(wanted)
+    assert flag._base().name == "cells=2" and "cells=2,segments=2" in wanted
+
+
 def test_what_makes_most_of_a_bar_is_varied_on_however_many_small_bars_make_it(tmp_path):
     """Three bars of two thirds of the tolerance make one that is too wide, and none alone is much."""
     flag = known_flag(tmp_path, 1e-3)
