@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import product
 from math import pi, radians
@@ -364,18 +365,24 @@ def beside_one(case: Case, folder: Path) -> dict[str, Any]:
     """Return the processor time of a step on two grids and on one, ms, as a mean because the large grid takes one of
     several steps, and the ratios of time and memory."""
     scenes = [case.built(), simulate.changed(case.scene, case.options["one"])]
+    of_two, of_one = held(scenes, folder)
     two, one = simulate.in_turns(scenes, folder, case.options["steps"], lambda _: process_time(), mean)
-    memory = [held(scene, folder) for scene in scenes]
-    return {"times": {"two_ms": two, "one_ms": one, "time": two / one, "memory": memory[0] / memory[1]}}
+    return {"times": {"two_ms": two, "one_ms": one, "time": two / one, "memory": of_two / of_one}}
 
 
-def held(scene: dict[str, Any], folder: Path) -> int:
-    """Return the memory that the units of a scene take by their first step, bytes."""
-    before = resident_memory()
-    with simulate.session(scene, folder) as session:
-        session.start()
-        session.step()
-        return resident_memory() - before
+def held(scenes: list[dict[str, Any]], folder: Path) -> list[int]:
+    """Return the memory that the units of each scene take in the first steps, bytes; all stay open, as what is given back
+    serves the next."""
+    found = []
+    with ExitStack() as stack:
+        for scene in scenes:
+            before = resident_memory()
+            session = stack.enter_context(simulate.session(scene, folder))
+            session.start()
+            for _ in range(simulate.WARM):
+                session.step()
+            found.append(resident_memory() - before)
+    return found
 
 
 COST = Study("grid-cost", costs, lambda case, run: run.found)
