@@ -371,8 +371,8 @@ def beside_one(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def held(scenes: list[dict[str, Any]], folder: Path) -> list[int]:
-    """Return the memory that the units of each scene take in the first steps, bytes; all stay open, as what is given back
-    serves the next."""
+    """Return the memory that the units of each scene take in the first steps, bytes; all stay open, as what is given
+    back serves the next."""
     found = []
     with ExitStack() as stack:
         for scene in scenes:
