@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -14,6 +15,10 @@ from nervure.resources import ROOT
 from studies.engine import THREADS, Case
 
 LONGEST = 4 * 3600.0  # Wall time after which a program is stopped, s
+
+PEERS = ROOT / "studies" / "peers"
+PEERS_PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
+LONGEST_PEER = 3600.0  # Largest wall time of a peer, s
 
 
 def cargo(package: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:
@@ -38,6 +43,16 @@ def output(command: list[str], timeout: float = LONGEST) -> str:
         said = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
         raise FileNotFoundError(said) if done.returncode == 2 else InputError(said)
     return done.stdout
+
+
+def peer(script: str, *arguments: str) -> dict[str, Any]:
+    """Run a peer's script in its own environment and return the last line of its output as JSON."""
+    if not PEERS_PYTHON.is_file():
+        raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
+    found: dict[str, Any] = json.loads(
+        output([str(PEERS_PYTHON), str(PEERS / script), *arguments], LONGEST_PEER).strip().splitlines()[-1]
+    )
+    return found
 
 
 def tables(case: Case, folder: Path) -> dict[str, Any]:

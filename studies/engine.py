@@ -54,7 +54,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
         "fmu-wing/src/**/*.rs",
     ),
     "body": ("crates/rigid/src/**/*.rs", "crates/rigid/Cargo.toml", "fmu-body/src/**/*.rs", "examples/flyer_*.py"),
-    "wing cost": ("crates/wing/examples/*.rs",),
+    "wing cost": ("crates/wing/examples/*.rs", "studies/peers/cholmod_factor.py"),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/simulation/loop.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py", "python/nervure/simulation/summary.py"),
     "rod study": ("studies/rust/rod/src/**/*.rs", "studies/rust/rod/Cargo.toml", "crates/rod/tests/common/*.rs"),

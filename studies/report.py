@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from nervure.resources import ROOT
 from studies import commands, elastica, maps, show, simulate, space, speed, turek_hron
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study, simulated
 from studies.show import COLOURS
@@ -19,10 +17,6 @@ from studies.store import Data, Record
 
 LISTED: dict[str, Any] = simulate.LISTED["report"]
 SCENES: dict[str, str] = LISTED["scenes"]
-
-PEERS = ROOT / "studies" / "peers"
-PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
-LONGEST = 3600.0  # Largest wall time of a peer, s
 
 LARGEST = (8192, 2048)  # Grid of the largest measured step
 BESIDE = {
@@ -47,13 +41,8 @@ def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: fl
 
 
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
-    """Run a peer's script in its own environment and return the last line of its output as JSON."""
-    if not PYTHON.is_file():
-        raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
-    script, *arguments = case.options["command"]
-    command = [str(PYTHON), str(PEERS / script), *arguments]
-    found: dict[str, Any] = json.loads(commands.output(command, LONGEST).strip().splitlines()[-1])
-    return found
+    """Run a peer's script with its arguments."""
+    return commands.peer(*case.options["command"])
 
 
 def time_beside(case: Case, folder: Path) -> dict[str, Any]:

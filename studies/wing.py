@@ -366,9 +366,13 @@ def counts(data: Data) -> list[dict[str, Any]]:
 
 
 def cost(case: Case, folder: Path) -> dict[str, Any]:
-    """Return the rows of the program that times a step; they depend on the machine."""
-    rows = csv.DictReader(commands.output(COST).splitlines())
-    return {"times": {"rows": [{name: float(value) for name, value in row.items()} for row in rows]}}
+    """Return the rows of the program that times a step, with CHOLMOD's factors of its matrices; they depend on the
+    machine."""
+    with TemporaryDirectory() as matrices:
+        rows = list(csv.DictReader(commands.output([*COST, "--", matrices]).splitlines()))
+        cholmod = commands.peer("cholmod_factor.py", matrices)
+    timed = [row | {"cholmod_ms": cholmod[row["nodes"]]} for row in rows]
+    return {"times": {"rows": [{name: float(value) for name, value in row.items()} for row in timed]}}
 
 
 def flag(name: str, grid: str, changes: dict[str, Any], quick: bool = True) -> Case:

@@ -86,6 +86,11 @@ impl Symmetric {
         self.factors.len() - MARGIN
     }
 
+    /// Return first entries of the columns, rows and values of the lower triangle.
+    pub(crate) fn lower(&self) -> (&[usize], &[usize], &[f64]) {
+        (&self.columns, &self.rows, &self.values)
+    }
+
     /// Return the place of an entry of the pattern, of either triangle, in `values`.
     pub(crate) fn place(&self, i: usize, j: usize) -> usize {
         let (i, j) = (self.ranks[i], self.ranks[j]);

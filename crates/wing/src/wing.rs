@@ -146,6 +146,13 @@ impl Wing {
         self.newton.system.matrix.factorise()
     }
 
+    /// Return first entries of the columns, rows and values of the lower triangle of Newton's last matrix, in the order of
+    /// its factor; for measurements.
+    #[doc(hidden)]
+    pub fn matrix(&self) -> (&[usize], &[usize], &[f64]) {
+        self.newton.system.matrix.lower()
+    }
+
     /// Return the energies of the state.
     pub fn energy(&mut self) -> Result<Energy, Error> {
         let Self { elastic, core, parameters, masses, newton, .. } = self;
