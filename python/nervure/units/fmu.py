@@ -10,7 +10,6 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -18,13 +17,10 @@ from typing import Any
 import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi3 import FMU3Slave
-from fmpy.logging import addLoggerProxy
 
 from nervure.errors import UnitError, UnitFailure
+from nervure.units.fmi import FMI, FMI_FATAL, FMI_WARNING, errors, warnings
 
-FMI_WARNING, FMI_FATAL = 1, 4
 ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard; some units log errors only in these
 LARGEST = 1e12  # Magnitude of an exchanged place, angle or velocity, in SI units, that no unit may give
 HEAVIEST = 1e30  # The same of a load or an impedance, whose numbers differ more with the size of a scene
@@ -34,15 +30,6 @@ ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 OUTSIDE = re.compile(r"^[/\\]|^\w:|(^|[/\\])\.\.([/\\]|$)")  # Paths that leave the folder of an archive
 DESCRIPTION = "modelDescription.xml"
 MOST_FILES, MOST_BYTES, MOST_DESCRIPTION = 10_000, 2 << 30, 256 << 20  # Of an unpacked FMU
-
-
-EXCHANGE = {
-    2: ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p),
-    3: ctypes.CFUNCTYPE(
-        ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_size_t
-    ),
-}
-"""Functions that set or get values, by version: instance, references, their number, values, in FMI 3.0 their number."""
 
 
 @dataclass
@@ -61,32 +48,6 @@ class Variable:
         return len(self.start)
 
 
-_messages: dict[str, list[str]] = defaultdict(list)
-"""Logged errors by instance name: the proxy of fmpy has one logger for the whole process."""
-
-
-_warnings: dict[str, list[str]] = defaultdict(list)
-"""Logged warnings by instance name."""
-
-
-def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
-    _note((instance or b"").decode("utf-8", "replace"), None, status, None, message)
-
-
-def _note(instance: str, _environment: Any, status: int, _category: Any, message: bytes | None) -> None:
-    if status >= FMI_WARNING:
-        kept = _messages if status > FMI_WARNING else _warnings
-        kept[instance].append((message or b"").decode("utf-8", "replace"))
-
-
-_callbacks = fmi2CallbackFunctions(
-    logger=fmi2CallbackLoggerTYPE(_log),
-    allocateMemory=defaultCallbacks.allocateMemory,
-    freeMemory=defaultCallbacks.freeMemory,
-)
-addLoggerProxy(ctypes.byref(_callbacks))
-
-
 class Unit:
     """A co-simulation FMU of FMI 2.0 or 3.0, packed or as a folder, instantiated and in initialization mode.
 
@@ -103,11 +64,11 @@ class Unit:
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
         self.kept: list[ctypes.c_void_p] = []  # Those of `keep`
         self._references: list[np.ndarray] = []  # Whose addresses are arguments of calls
-        _messages[name].clear()
-        _warnings[name].clear()
+        errors[name].clear()
+        warnings[name].clear()
         self.description = read_description(path)
-        self.version = version_of(self.description)
-        if self.version is None or self.description.coSimulation is None:
+        version = version_of(self.description)
+        if version is None or self.description.coSimulation is None:
             raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0 or 3.0")
         self.variables = variables_of(self.description)
         self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
@@ -118,47 +79,17 @@ class Unit:
                 unpack(path, self._folder)
             guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
             place = {"unzipDirectory": self._folder or str(path), "instanceName": name}
-            slave = FMU2Slave if self.version == 2 else FMU3Slave
             try:
-                self.fmu = slave(guid=guid, modelIdentifier=model, **place)
-                self._bind()
+                self.fmi = FMI[version](guid=guid, modelIdentifier=model, **place)
             except Exception as error:  # fmpy raises plain exceptions where a library is missing or lacks a function
                 raise UnitError(f"the library of {path} cannot be used: {error}") from error
+            self.fmu = self.fmi.fmu
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
-            if self.version == 2:
-                self._call(self.fmu.instantiate, callbacks=_callbacks)
-            else:  # FMI 3.0 logs nothing where logging is off
-                self._call(self.fmu.instantiate, loggingOn=True, logMessage=partial(_note, name))
-                if categories:
-                    self._call(self.fmu.setDebugLogging, False, [])
-            if categories:
-                self._call(self.fmu.setDebugLogging, True, categories)
-            if self.version == 2:
-                self._call(self.fmu.setupExperiment, startTime=0.0, stopTime=stop_time)
-                self._call(self.fmu.enterInitializationMode)
-            else:
-                self._call(self.fmu.enterInitializationMode, startTime=0.0, stopTime=stop_time)
+            self.fmi.initialize(self._call, categories, stop_time)
         except BaseException:
             self.close()
             raise
         self.connect([], [])
-
-    def _bind(self) -> None:
-        """Bind the calls of the loop to the library: the wrappers of fmpy double the cost of the exchange, and to check
-        its types of arguments takes longer than to take addresses."""
-        library, two = self.fmu.dll, self.version == 2
-
-        def bound(name: str) -> Callable[..., int]:
-            return EXCHANGE[2 if two else 3](ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0)
-
-        self._set_reals = bound("fmi2SetReal" if two else "fmi3SetFloat64")
-        self._get_reals = bound("fmi2GetReal" if two else "fmi3GetFloat64")
-        self._get_integers = bound("fmi2GetInteger" if two else "fmi3GetInt32")
-        self._do_step = library.fmi2DoStep if two else library.fmi3DoStep
-        self._get_state = self.fmu.fmi2GetFMUstate if two else self.fmu.fmi3GetFMUState
-        self._flags = [] if two else [ctypes.c_bool() for _ in ("event", "end", "early return")]
-        # Results of fmi3DoStep beside its status; the last is the time reached.
-        self._step_results = () if two else (*map(ctypes.byref, self._flags), ctypes.byref(ctypes.c_double()))
 
     def connect(self, inputs: list[str], outputs: list[str], watched: Sequence[str] = ()) -> None:
         """Choose the Real variables that `step` sets and gets, in this order.
@@ -203,16 +134,15 @@ class Unit:
         keeps. The methods of fmpy take lists, which are copied element by element."""
         references = np.array([reference for name in names for reference in self.variables[name].references], np.uintc)
         self._references.append(references)
-        arguments = (self.fmu.component, references.ctypes.data, references.size, values.ctypes.data)
-        return arguments if self.version == 2 else (*arguments, values.size)
+        return self.fmi.arguments(references, values)
 
     def set(self) -> None:
         """Set `inputs` in the unit."""
-        self._check(self._set_reals(*self._set_arguments), "refused its inputs")
+        self._check(self.fmi.set_reals(*self._set_arguments), "refused its inputs")
 
     def get_exchanged(self) -> None:
         """Fetch the exchanged and watched `outputs` only: a scalar may cost as much as half a step."""
-        self._check(self._get_reals(*self._get_part_arguments), "gave no outputs")
+        self._check(self.fmi.get_reals(*self._get_part_arguments), "gave no outputs")
 
     def fetch(self, name: str) -> None:
         """Fetch one scalar output into its place, of an Integer all."""
@@ -221,14 +151,14 @@ class Unit:
                 return self.get()
             place = self.scalars("Real").index(name)
             self._fetching[name] = self._arguments([name], self.reals[place : place + 1])
-        return self._check(self._get_reals(*self._fetching[name]), "gave no outputs")
+        return self._check(self.fmi.get_reals(*self._fetching[name]), "gave no outputs")
 
     def get(self) -> None:
         """Fetch all `outputs` and `integers`."""
         self.stale = False
-        status = self._get_reals(*self._get_arguments)
+        status = self.fmi.get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
-            status = self._get_integers(*self._get_integer_arguments)
+            status = self.fmi.get_integers(*self._get_integer_arguments)
         self._check(status, "gave no outputs")
 
     def _check(self, status: int, what: str) -> None:
@@ -242,19 +172,19 @@ class Unit:
     def step(self, t: float, h: float) -> None:
         """Set the inputs, step from `t` to `t + h` (s), and fetch the outputs, all or only those for the next step."""
         self._step = t, h
-        if (status := self._set_reals(*self._set_arguments)) > FMI_WARNING:
+        if (status := self.fmi.set_reals(*self._set_arguments)) > FMI_WARNING:
             self._check(status, "refused its inputs")
         start = perf_counter()
-        status = self._do_step(self.fmu.component, t, h, 1, *self._step_results)
+        status = self.fmi.do_step(self.fmu.component, t, h, 1, *self.fmi.step_results)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
             raise self._error("failed", status, (t, h))
-        if self._flags and any(flag.value for flag in self._flags):
+        if self.fmi.flags and any(flag.value for flag in self.fmi.flags):
             raise self._error("wants an event, an early return or the end", None, (t, h))
         if self.all_in_step:
             self.get()
         else:
-            if (status := self._get_reals(*self._get_part_arguments)) > FMI_WARNING:
+            if (status := self.fmi.get_reals(*self._get_part_arguments)) > FMI_WARNING:
                 self._check(status, "gave no outputs")
             self.stale = True
         if not self.outputs.dot(self.outputs) < LARGEST**2:
@@ -281,12 +211,12 @@ class Unit:
 
     def save(self) -> None:
         """Save the state of the unit, in place of the saved one."""
-        self._timed(self._get_state, self.fmu.component, ctypes.byref(self.state))
+        self._timed(self.fmi.get_state, self.fmu.component, ctypes.byref(self.state))
 
     def keep(self) -> ctypes.c_void_p:
         """Return the state of the unit, kept until it is closed."""
         kept = ctypes.c_void_p()
-        self._timed(self._get_state, self.fmu.component, ctypes.byref(kept))
+        self._timed(self.fmi.get_state, self.fmu.component, ctypes.byref(kept))
         self.kept.append(kept)
         return kept
 
@@ -306,11 +236,9 @@ class Unit:
 
     def read(self, name: str) -> np.ndarray:
         """Return the values of any Real or Integer variable."""
-        variable, fmu = self.variables[name], self.fmu
-        is_integer = variable.kind == "Integer"
-        if self.version == 2:
-            return np.array(self._call(fmu.getInteger if is_integer else fmu.getReal, variable.references))
-        return np.array(self._call(fmu.getInt32 if is_integer else fmu.getFloat64, variable.references, variable.size))
+        variable = self.variables[name]
+        reader = self.fmi.reader(variable.kind == "Integer", variable.references, variable.size)
+        return np.array(self._call(reader))
 
     def reader(self, names: Sequence[str]) -> Callable[[], np.ndarray]:
         """Return a function that reads Real variables of one size, `[size, len(names)]`; those that the last step
@@ -324,7 +252,7 @@ class Unit:
             if has_all and not (has_scalar and self.stale):
                 return np.column_stack([self.outputs[place] for place in places])
             start = perf_counter()
-            self._check(self._get_reals(*arguments), "gave no outputs")
+            self._check(self.fmi.get_reals(*arguments), "gave no outputs")
             self.seconds += perf_counter() - start
             return values.reshape(len(names), -1).T.copy()
 
@@ -335,7 +263,7 @@ class Unit:
         values, arguments = self._buffer([*names], ctypes.c_double)
 
         def read() -> np.ndarray:
-            if (status := self._get_reals(*arguments)) > FMI_WARNING:
+            if (status := self.fmi.get_reals(*arguments)) > FMI_WARNING:
                 self._check(status, "gave no outputs")
             return values
 
@@ -365,7 +293,7 @@ class Unit:
 
     def take_warnings(self) -> list[str]:
         """Return what the unit has warned of since the last call."""
-        taken, _warnings[self.name] = _warnings[self.name], []
+        taken, warnings[self.name] = warnings[self.name], []
         return taken
 
     def close(self) -> None:
@@ -396,7 +324,7 @@ class Unit:
         """Return a failure in the unit's own words, or else as `what`, with the time (s) and length (s) of `step`."""
         if status == FMI_FATAL:
             self.fmu.component = None  # no function may be called for it any more, not even to free it
-        reason = "; ".join(dict.fromkeys(_messages[self.name])) or what
+        reason = "; ".join(dict.fromkeys(errors[self.name])) or what
         if step and "t = " not in reason:
             reason += f" in the step from t = {step[0]:g} s to {sum(step):g} s"
         return UnitFailure(f"{self.name}: {reason}")
