@@ -9,6 +9,15 @@ const minus = (a, b) => a.map((x, d) => x - b[d]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
 
+/** Return corners that are farther from their middle: else the background shines through between triangles. */
+function larger(corners, way) {
+  const [x, y] = [0, 1].map((d) => corners.reduce((sum, corner) => sum + corner[d], 0) / corners.length);
+  return corners.map(([px, py]) => {
+    const by = 1 + way / (Math.hypot(px - x, py - y) || 1);
+    return [x + (px - x) * by, y + (py - y) * by];
+  });
+}
+
 /** Return the edges of triangles that belong to one triangle alone. */
 function outline(triangles) {
   const seen = new Map();
@@ -47,8 +56,8 @@ export class Picture {
   }
 
   /** Size of the painted field, at most about as fine as a screen shows at 30 frames a second. */
-  get pixels() {
-    const factor = Math.min(1, 1280 / this.canvas.width);
+  pixels(isSpace) {
+    const factor = Math.min(1, (isSpace ? 640 : 1280) / this.canvas.width);
     return [Math.round(this.canvas.width * factor), Math.round(this.canvas.height * factor)];
   }
 
@@ -65,7 +74,7 @@ export class Picture {
   /** Draw a frame; in space with the `directions` of its camera, the `mesh` of the wing, and the `ends` of the field. */
   draw({ bitmap, shapes, circles, thicknesses, marks, dark, directions, mesh, ends }) {
     const { context, canvas } = this;
-    context.imageSmoothingQuality = "high";
+    context.imageSmoothingQuality = directions ? "low" : "high"; // The smooth picture of space is enlarged more
     context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
     const [body, edge] = dark ? ["#d3dde6", "#0b1016"] : ["#16222e", "#ffffff"];
     context.lineJoin = context.lineCap = "round";
@@ -129,12 +138,10 @@ export class Picture {
       const light = AMBIENT + (1 - AMBIENT) * Math.max(0, (side * dot(towards, LIGHT)) / Math.hypot(...LIGHT));
       const [hue, pale] = side > 0 ? [34, 62] : [16, 54];
       context.fillStyle = `hsl(${hue} 72% ${(pale * light + (dark ? 8 : 14)).toFixed(1)}%)`;
-      this.line(triangle.map((k) => seen[k]));
-      context.closePath();
+      this.line(larger(triangle.map((k) => seen[k]), 0.7 * this.pixel));
       context.fill();
-      this.stroke(context.fillStyle, 0.8 * this.pixel); // Else the background shines through between triangles
     }
-    const ink = dark ? "#fff3e0" : "#2b1608";
+    const ink = "#2b1608";
     for (const vein of veins) {
       this.line(vein.map((k) => seen[k]));
       this.stroke(ink, 1.3 * this.pixel);

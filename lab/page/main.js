@@ -215,14 +215,15 @@ function look() {
   const list = colours(isSpace && state.field === "vorticity" ? "swirl" : state.field, darkness.matches);
   const { density } = json.fluid;
   const [low, high, unit] = {
-    vorticity: [isSpace ? 0 : -8 * (U() / L()), 8 * (U() / L()), "1/s"],
+    vorticity: isSpace ? [0, 4 * (U() / L()), "1/s"] : [-8 * (U() / L()), 8 * (U() / L()), "1/s"],
     speed: [0, 1.8 * U(), "m/s"],
     pressure: [-0.8 * density * U() ** 2, 0.8 * density * U() ** 2, "Pa"],
   }[state.field];
   of("colours").style.background = gradient(list);
   of("low").textContent = number(low);
   of("high").textContent = `${number(high)}${isMetric() ? ` ${unit}` : ""}`;
-  const view = { field: FIELDS.indexOf(state.field), range: [low, high], part: picture.part, pixels: picture.pixels };
+  const pixels = picture.pixels(isSpace);
+  const view = { field: FIELDS.indexOf(state.field), range: [low, high], part: picture.part, pixels };
   const sent = ask("view", { view: { ...view, camera, colours: packed(list) } });
   if (!running) sent.then(() => next(true));
   return sent;

@@ -45,7 +45,7 @@ function change({ scene, known = scene }) {
   return { facts: factsOf(known), columns };
 }
 
-/** Step for at most `budget` ms and at most `steps` steps; return their samples, row after row. */
+/** Step for about `budget` ms, half a step more or less, and at most `steps` steps; return their samples, row after row. */
 function step(steps, budget) {
   const samples = [];
   const begin = performance.now();
@@ -53,7 +53,8 @@ function step(steps, budget) {
   for (let size = 1; made < steps; made += size) {
     if (wasm.lab_step(lab, size) < 0) throw new Error(text());
     samples.push(new Float64Array(wasm.memory.buffer, wasm.lab_samples(lab), size * columns).slice());
-    if (performance.now() - begin > budget) {
+    const spent = performance.now() - begin;
+    if (spent + spent / (made + size) / 2 > budget) {
       made += size;
       break;
     }

@@ -106,7 +106,7 @@ fn a_ball_is_seen_where_it_is_from_all_sides() {
 #[test]
 fn the_largest_value_hides_what_is_behind_and_before_it() {
     let blob = |x: [f64; 3], at: [f64; 3], top: f64| {
-        top * (-x.iter().zip(at).map(|(x, c)| (x - c).powi(2)).sum::<f64>() / 0.09).exp()
+        top * (-x.iter().zip(at).map(|(x, c)| (x - c).powi(2)).sum::<f64>() / 0.25).exp()
     };
     for camera in cameras() {
         let (centre, reach) = ([0.5, -0.5, 2.1], 0.8);
