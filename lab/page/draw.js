@@ -71,7 +71,7 @@ export class Picture {
     return [this.part[0] + (event.clientX - box.left) / scale, this.part[3] - (event.clientY - box.top) / scale];
   }
 
-  /** Draw a frame; in space with the `directions` of its camera, the `mesh` of the wing, and the `ends` of the field. */
+  /** Draw a frame; in space with the `directions` of its camera, the `mesh` of the wing and the `ends` of the field. */
   draw({ bitmap, shapes, circles, thicknesses, marks, dark, directions, mesh, ends }) {
     const { context, canvas } = this;
     context.imageSmoothingQuality = directions ? "low" : "high"; // The smooth picture of space is enlarged more

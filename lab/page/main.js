@@ -159,7 +159,8 @@ function draw() {
   if (!shown) return;
   const { x, y, z } = json.fluid.box;
   const space = { mesh: about.facts?.wing, ends: [x, y, z] };
-  picture.draw({ ...shown, ...space, thicknesses: thicknesses(), marks: marksOf(shown.shapes), dark: darkness.matches });
+  const marks = marksOf(shown.shapes);
+  picture.draw({ ...shown, ...space, thicknesses: thicknesses(), marks, dark: darkness.matches });
 }
 
 function count(now, { made, seconds }) {
@@ -355,8 +356,9 @@ function showCurves() {
     of("motion").setAttribute("aria-label", of("motion-text").textContent || what);
   }
   const isSpace = isInSpace(state.scene);
-  const other = isSpace ? 3 : 1; // In hovering the wing is dragged to and fro along z
-  const forces = [{ column: 2, scale: 1, name: "--curve" }, { column: other, scale: 1, name: "--second", dash: [6, 4] }];
+  const across = isSpace ? 3 : 1; // In hovering the wing is dragged to and fro along z
+  const dashed = { column: across, scale: 1, name: "--second", dash: [6, 4] };
+  const forces = [{ column: 2, scale: 1, name: "--curve" }, dashed];
   plot(of("force"), history, forces, bandsOf("lift", 1), unit);
   const drag = isSpace ? "force along the stroke" : "drag";
   of("force-title").textContent = `Lift, and ${drag} dashed${forceUnit ? ` (${forceUnit})` : ""}`;

@@ -45,7 +45,8 @@ function change({ scene, known = scene }) {
   return { facts: factsOf(known), columns };
 }
 
-/** Step for about `budget` ms, half a step more or less, and at most `steps` steps; return their samples, row after row. */
+/** Step for about `budget` ms, half a step more or less, and at most `steps` steps; return their samples, row after
+ * row. */
 function step(steps, budget) {
   const samples = [];
   const begin = performance.now();

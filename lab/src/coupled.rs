@@ -1,5 +1,5 @@
-//! A fluid and its rods or wings with one exchange in a step: these step first, then the fluid, as the class `Explicit` of
-//! `python/nervure/coupling/schemes.py` steps the units.
+//! A fluid and its rods or wings with one exchange in a step: these step first, then the fluid, as the class
+//! `Explicit` of `python/nervure/coupling/schemes.py` steps the units.
 
 use fluid::{Error, Fluid, Parameters, Solvable};
 use fpenv::Fast;
@@ -191,8 +191,8 @@ where
         self.fluid.advance(t, h).map_err(|e| e.to_string())
     }
 
-    /// Return the time, the force of the fluid along each axis, what each rod or wing appends, and the position of each
-    /// body, in SI units.
+    /// Return the time, the force of the fluid along each axis, what each rod or wing appends, and the position of
+    /// each body, in SI units.
     pub fn sample(&self) -> Vec<f64> {
         let mut sample = vec![self.time()];
         sample.extend(self.fluid.force());

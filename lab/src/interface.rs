@@ -1,5 +1,5 @@
-//! The C interface for the page. A function that fails returns null or a negative number, and `lab_message` the reason.
-//! A panic ends the program in WebAssembly; its text is the message, too.
+//! The C interface for the page. A function that fails returns null or a negative number, and `lab_message` the
+//! reason. A panic ends the program in WebAssembly; its text is the message, too.
 //!
 //! The page reads fields, stations and pictures where they are: a pointer is good until the next call with its `Lab`.
 
@@ -164,8 +164,8 @@ pub extern "C" fn lab_samples(lab: &Lab) -> *const f64 {
     lab.samples.as_ptr()
 }
 
-/// Return the numbers in a sample: time, force along each axis, those of each rod or wing, and the place of each body. A rod
-/// has the displacement of its tip; a wing has this, and its twist.
+/// Return the numbers in a sample: time, force along each axis, those of each rod or wing, and the place of each body.
+/// A rod has the displacement of its tip; a wing has this, and its twist.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_columns(lab: &Lab) -> usize {
     either!(&lab.run, run => run.sample()).len()
@@ -195,8 +195,8 @@ pub extern "C" fn lab_positions(lab: &Lab, number: usize, axis: usize) -> *const
     either!(&lab.run, run => run.positions(number, axis)).as_ptr()
 }
 
-/// Pull at a station of a rod towards a point with a spring, N/m per metre of depth; a stiffness of 0 lets go. Nothing pulls
-/// at a wing.
+/// Pull at a station of a rod towards a point with a spring, N/m per metre of depth; a stiffness of 0 lets go. Nothing
+/// pulls at a wing.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_pull(lab: &mut Lab, rod: usize, station: usize, x: f64, y: f64, stiffness: f64) {
     let pull = Pull { rod, station, to: [x, y], stiffness };
@@ -211,17 +211,17 @@ pub extern "C" fn lab_cells(lab: &mut Lab, axis: usize) -> usize {
     either!(&mut lab.run, run => run.fluid().grid().cells[axis])
 }
 
-/// Look at space from another side, of angles as of [`Camera::new`]; return the directions to the right, to the top and to the
-/// viewer, unit vectors.
+/// Look at space from another side, of angles as of [`Camera::new`]; return the directions to the right, to the top
+/// and to the viewer, unit vectors.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_camera(lab: &mut Lab, turned: f64, raised: f64) -> *const f64 {
     lab.camera = Camera::new(turned, raised);
     lab.camera.right.as_ptr()
 }
 
-/// Return a field at the points of the grid, `[nx, ny]`: 0 vorticity, 1 speed, 2 pressure, 3 u, 4 v, in SI units; in space the
-/// magnitude of the vorticity, and speed otherwise. Vorticity and velocity of a plane in double precision are the solver's own
-/// memory.
+/// Return a field at the points of the grid, `[nx, ny]`: 0 vorticity, 1 speed, 2 pressure, 3 u, 4 v, in SI units; in
+/// space the magnitude of the vorticity, and speed otherwise. Vorticity and velocity of a plane in double precision
+/// are the solver's own memory.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_field(lab: &mut Lab, kind: u32) -> *const f64 {
     let room = &mut lab.field;
@@ -265,8 +265,8 @@ pub extern "C" fn lab_colours(lab: &mut Lab) -> *mut u32 {
     lab.colours.as_mut_ptr()
 }
 
-/// Return a picture of a field in a part of the plane, row by row from the top left; of a field of space that of its largest
-/// values along the lines of sight, where the ends are along the axes of the picture.
+/// Return a picture of a field in a part of the plane, row by row from the top left; of a field of space that of its
+/// largest values along the lines of sight, where the ends are along the axes of the picture.
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_paint(
     lab: &mut Lab,

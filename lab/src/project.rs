@@ -27,8 +27,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A viewer turned about the y axis, which is vertical, from the z axis to the x axis, and raised above the horizon,
-    /// rad.
+    /// A viewer turned about the y axis, which is vertical, from the z axis to the x axis, and raised above the
+    /// horizon, rad.
     pub fn new(turned: f64, raised: f64) -> Self {
         let ([s, c], [se, ce]) = ([turned.sin(), turned.cos()], [raised.sin(), raised.cos()]);
         Self { right: [c, 0.0, -s], up: [-se * s, ce, -se * c], toward: [ce * s, se, ce * c] }
@@ -57,8 +57,8 @@ struct Sheared {
     values: Vec<f64>,
 }
 
-/// Paint the largest values of a field that is nowhere negative, row by row from the top left, with the colours of `range`;
-/// outside the field the value is 0. The ends of the view are along the axes of the picture, from the origin.
+/// Paint the largest values of a field that is nowhere negative, row by row from the top left, with the colours of
+/// `range`; outside the field the value is 0. The ends of the view are along the axes of the picture, from the origin.
 pub fn project(
     field: &Volume,
     camera: &Camera,

@@ -70,8 +70,8 @@ impl RodInFlow {
         })
     }
 
-    /// Add the force of a spring to the loads: that for a station that keeps its velocity, with the impedance by which the
-    /// stretch counts that the step ends with.
+    /// Add the force of a spring to the loads: that for a station that keeps its velocity, with the impedance by which
+    /// the stretch counts that the step ends with.
     fn pull(&mut self, pull: &Pull, h: f64) {
         let n = self.beam.segments + 1;
         let station = pull.station.min(n - 1);

@@ -1,4 +1,5 @@
-//! A picture is the mean of a field over two cells along both axes; in space of the largest values along lines of sight.
+//! A picture is the mean of a field over two cells along both axes; in space of the largest values along lines of
+//! sight.
 
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -86,8 +87,8 @@ fn the_directions_of_a_camera_are_right_handed_unit_vectors() {
     }
 }
 
-/// A ball, whose value falls with the square of the distance from its centre, has in the picture that of the distance of
-/// the line of sight: from each side in the same place.
+/// A ball, whose value falls with the square of the distance from its centre, has in the picture that of the distance
+/// of the line of sight: from each side in the same place.
 #[test]
 fn a_ball_is_seen_where_it_is_from_all_sides() {
     let (centre, radius) = ([0.6, -0.5, 2.0], 1.0);
