@@ -78,6 +78,8 @@ async function load() {
   runs += 1;
   failed = false;
   pull = turning = null;
+  ready?.bitmap?.close();
+  ready = null; // Of the scene before
   json = sceneWith(state.scene, state.values, state.placed);
   try {
     about = await ask("load", texts());
@@ -146,7 +148,8 @@ function show(now) {
   if (running) next();
   history.add(frame.rows);
   shown?.bitmap.close();
-  shown = { ...frame, circles: circlesOf(frame.rows) };
+  const { x, y, z } = json.fluid.box;
+  shown = { ...frame, circles: circlesOf(frame.rows), mesh: about.facts?.wing, ends: [x, y, z] };
   shapes = frame.shapes;
   draw();
   count(now, frame);
@@ -157,10 +160,7 @@ let shapes = [];
 
 function draw() {
   if (!shown) return;
-  const { x, y, z } = json.fluid.box;
-  const space = { mesh: about.facts?.wing, ends: [x, y, z] };
-  const marks = marksOf(shown.shapes);
-  picture.draw({ ...shown, ...space, thicknesses: thicknesses(), marks, dark: darkness.matches });
+  picture.draw({ ...shown, thicknesses: thicknesses(), marks: marksOf(shown.shapes), dark: darkness.matches });
 }
 
 function count(now, { made, seconds }) {
