@@ -78,6 +78,7 @@ async function load() {
   runs += 1;
   failed = false;
   pull = turning = null;
+  if (viewed !== state.scene) [viewed, camera] = [state.scene, state.scene.camera ?? null];
   ready?.bitmap?.close();
   ready = null; // Of the scene before
   json = sceneWith(state.scene, state.values, state.placed);
@@ -89,7 +90,6 @@ async function load() {
   }
   history = new History(about.columns, WINDOW);
   [shown, places] = [null, null];
-  if (viewed !== state.scene) [viewed, camera] = [state.scene, state.scene.camera ?? null];
   showScene();
   await look();
   await next(true);
@@ -149,7 +149,8 @@ function show(now) {
   history.add(frame.rows);
   shown?.bitmap.close();
   const { x, y, z } = json.fluid.box;
-  shown = { ...frame, circles: circlesOf(frame.rows), mesh: about.facts?.wing, ends: [x, y, z] };
+  const directions = z && frame.directions; // The worker may still have the camera of a scene before
+  shown = { ...frame, directions, circles: circlesOf(frame.rows), mesh: about.facts?.wing, ends: [x, y, z] };
   shapes = frame.shapes;
   draw();
   count(now, frame);
