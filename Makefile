@@ -137,8 +137,9 @@ messages: build $(READY_DEV) ## record the messages about bad input in tests/sce
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
 
-record: build $(READY_DEV) ## write tests/simulation/recorded.json, only after an intended change of the physics
+record: build $(READY_DEV) ## write recorded.json and wing.json of tests, only after an intended change of the physics
 	$(RUN) -m tests.simulation.record
+	$(RUN) lab/record_digits.py
 
 COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --allow-unsafe --no-emit-index-url \
 	--no-emit-trusted-host --no-emit-find-links

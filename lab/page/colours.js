@@ -10,6 +10,11 @@ const STOPS = {
     light: ["#fbf7ef", "#f3d38c", "#e9965a", "#c2517a", "#71338c", "#211447"],
     dark: ["#0b0d1f", "#35246b", "#8f3a83", "#dd6363", "#f8ab59", "#fdf3c6"],
   },
+  // Of the magnitude in space: from the middle of the vorticity's colours.
+  swirl: {
+    light: ["#f7f8f9", "#c5dcee", "#85b4dc", "#4585bf", "#1d5694", "#08306b"],
+    dark: ["#0d1218", "#14355c", "#1f5fa8", "#4a97dc", "#93c8f5", "#e4f2ff"],
+  },
   pressure: {
     light: ["#40185f", "#8e5fae", "#d5c0e2", "#f7f8f7", "#b9dfb7", "#4a9a5c", "#0b4a25"],
     dark: ["#f0dcff", "#b183d6", "#5e3a85", "#101214", "#1f6b3a", "#66bd78", "#dcf8dd"],

@@ -3,13 +3,16 @@
 import { FIELDS, colours, gradient, packed } from "lab/colours";
 import { Picture } from "lab/draw";
 import { History, measure, plot } from "lab/plot";
-import { SCENES, fromHash, ownValues, sceneWith, toHash } from "lab/scenes";
+import { SCENES, fieldsOf, fromHash, isInSpace, ownValues, sceneWith, toHash } from "lab/scenes";
 
 const BUDGET = 20; // Time for the steps of a frame, ms: with painting it leaves 30 frames a second
 const MOST_STEPS = 400; // In a frame
 const WINDOW = 4000; // Steps that the curves show
 const CYLINDER = 0.08; // Radius of a placed cylinder, by the height of the picture
 const GRAB = 28; // Distance from a rod within which it can be pulled, pixels
+const TURN = 0.008; // Angle by which a pixel turns the view of space, rad
+const KEY_TURN = 0.12; // Angle by which a key turns it, rad
+const STEEPEST = 1.4; // Largest angle of the camera above or below the horizon, rad
 
 const of = (id) => document.getElementById(id);
 const [flow, picture] = [of("flow"), new Picture(of("flow"))];
@@ -46,6 +49,9 @@ let running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 let failed = false;
 let pull = null; // {rod, station, to}: what the mouse or a key holds
 let placing = null; // {to, radius}: a cylinder that is being drawn
+let camera = null; // Angles from which space is seen, rad; null in a plane
+let viewed = null; // The scene that the camera belongs to
+let turning = null; // {x, y, camera}: where the mouse began to turn it
 let speed = { frames: 0, since: 0, fps: 0, steps: 0, seconds: 0, ms: 0 };
 
 const U = () => about?.facts?.dimensionless?.velocity || 1;
@@ -71,7 +77,10 @@ function texts() {
 async function load() {
   runs += 1;
   failed = false;
-  pull = null;
+  pull = turning = null;
+  if (viewed !== state.scene) [viewed, camera] = [state.scene, state.scene.camera ?? null];
+  ready?.bitmap?.close();
+  ready = null; // Of the scene before
   json = sceneWith(state.scene, state.values, state.placed);
   try {
     about = await ask("load", texts());
@@ -139,7 +148,9 @@ function show(now) {
   if (running) next();
   history.add(frame.rows);
   shown?.bitmap.close();
-  shown = { ...frame, circles: circlesOf(frame.rows) };
+  const { x, y, z } = json.fluid.box;
+  const directions = z && frame.directions; // The worker may still have the camera of a scene before
+  shown = { ...frame, directions, circles: circlesOf(frame.rows), mesh: about.facts?.wing, ends: [x, y, z] };
   shapes = frame.shapes;
   draw();
   count(now, frame);
@@ -174,6 +185,7 @@ const isMetric = () => Boolean(json.fluid.channel);
 let places = null; // Of the bodies, after the last step
 
 function circlesOf(rows) {
+  if (isInSpace(state.scene)) return [];
   const bodies = json.fluid.bodies ?? [];
   const last = rows.length && bodies.length ? rows.subarray(-2 * bodies.length) : places;
   places = last;
@@ -199,20 +211,22 @@ function marksOf(frameShapes) {
 
 /** Tell the worker what to paint: ranges grow with the speed of the flow. */
 function look() {
-  picture.fit(state.scene.part);
+  const isSpace = isInSpace(state.scene);
+  picture.fit(state.scene.part, isSpace);
   draw(); // A canvas of another size is empty
-  const list = colours(state.field, darkness.matches);
+  const list = colours(isSpace && state.field === "vorticity" ? "swirl" : state.field, darkness.matches);
   const { density } = json.fluid;
   const [low, high, unit] = {
-    vorticity: [-8 * (U() / L()), 8 * (U() / L()), "1/s"],
+    vorticity: isSpace ? [0, 4 * (U() / L()), "1/s"] : [-8 * (U() / L()), 8 * (U() / L()), "1/s"],
     speed: [0, 1.8 * U(), "m/s"],
     pressure: [-0.8 * density * U() ** 2, 0.8 * density * U() ** 2, "Pa"],
   }[state.field];
   of("colours").style.background = gradient(list);
   of("low").textContent = number(low);
   of("high").textContent = `${number(high)}${isMetric() ? ` ${unit}` : ""}`;
-  const view = { field: FIELDS.indexOf(state.field), range: [low, high], part: picture.part, pixels: picture.pixels };
-  const sent = ask("view", { view: { ...view, colours: packed(list) } });
+  const pixels = picture.pixels(isSpace);
+  const view = { field: FIELDS.indexOf(state.field), range: [low, high], part: picture.part, pixels };
+  const sent = ask("view", { view: { ...view, camera, colours: packed(list) } });
   if (!running) sent.then(() => next(true));
   return sent;
 }
@@ -233,11 +247,18 @@ function showScene() {
   of("about").textContent = state.scene.about;
   of("scene").value = state.scene.id;
   const places = "Choose “Place a cylinder” and click, or drag for its size; arrow keys and Enter do the same.";
-  of("hint").textContent = beams().some((_, i) => i < about.rods)
-    ? `Drag the rod to pull it, or focus the picture and hold an arrow key. ${places}` : places;
+  const pulls = beams().length ? "Drag the rod to pull it, or focus the picture and hold an arrow key. " : "";
+  const isSpace = isInSpace(state.scene);
+  of("hint").textContent = isSpace
+    ? "Drag the picture to see it from another side, or focus it and press the arrow keys." : `${pulls}${places}`;
+  of("tools").hidden = isSpace;
+  flow.classList.toggle("place", !isSpace && tool() === "place");
   const hasMotion = state.scene.quantity !== "lift";
   for (const part of ["motion", "motion-title", "motion-text"]) of(part).hidden = !hasMotion;
-  for (const input of document.querySelectorAll("[name=field]")) input.checked = input.value === state.field;
+  for (const input of document.querySelectorAll("[name=field]")) {
+    input.checked = input.value === state.field;
+    input.parentElement.hidden = !fieldsOf(state.scene).includes(input.value);
+  }
   showSliders();
   remember();
 }
@@ -276,16 +297,25 @@ function later(restart) {
   timer = setTimeout(() => change(restart), 120);
 }
 
-/** Curves of the motion: their columns, and the factor and unit in which they are shown. */
+/** Curves of the motion: their columns, and the factor in which they are shown. */
 function motions() {
-  const ofBody = state.scene.quantity === "body_y";
-  const [first, count] = ofBody ? [history.columns - 1, 1] : [4, about.rods];
+  const { quantity } = state.scene;
+  if (quantity === "twist") return [{ column: history.columns - 1, scale: 180 / Math.PI, name: "--curve" }];
+  const [first, count] = quantity === "body_y" ? [history.columns - 1, 1] : [4, about.count];
   const scale = isMetric() ? 1000 : 1;
   const names = ["--curve", "--second"];
   return Array.from({ length: count }, (_, i) => ({ column: first + 2 * i, scale, name: names[i % 2] }));
 }
 
 const lengthUnit = () => (isMetric() ? "mm" : state.scene.length ?? "lengths");
+
+/** What moves, the title of its curve, and its unit. */
+function motionTexts() {
+  const { quantity } = state.scene;
+  if (quantity === "twist") return ["Twist", "Twist at three quarters of the span (degrees)", "degrees"];
+  const what = quantity === "body_y" ? "Cylinder" : "Tip";
+  return [what, `${what}, displacement across the stream (${lengthUnit()})`, lengthUnit()];
+}
 
 /** Published mean, amplitude, frequency and range of the amplitude of a quantity; null for other values. */
 function published(name) {
@@ -321,31 +351,37 @@ function showCurves() {
   if (state.scene.quantity !== "lift" && about.columns > 3) {
     const curves = motions();
     plot(of("motion"), history, curves, bandsOf("tip_uy", curves[0].scale), unit);
-    const what = state.scene.quantity === "body_y" ? "Cylinder" : "Tip";
-    of("motion-title").textContent = `${what}, displacement across the stream (${lengthUnit()})`;
-    of("motion-text").textContent = sentence(what, curves[0].column, "tip_uy", curves[0].scale, lengthUnit());
+    const [what, title, motionUnit] = motionTexts();
+    of("motion-title").textContent = title;
+    of("motion-text").textContent = sentence(what, curves[0].column, "tip_uy", curves[0].scale, motionUnit);
     of("motion").setAttribute("aria-label", of("motion-text").textContent || what);
   }
-  const forces = [{ column: 2, scale: 1, name: "--curve" }, { column: 1, scale: 1, name: "--second", dash: [6, 4] }];
+  const isSpace = isInSpace(state.scene);
+  const across = isSpace ? 3 : 1; // In hovering the wing is dragged to and fro along z
+  const dashed = { column: across, scale: 1, name: "--second", dash: [6, 4] };
+  const forces = [{ column: 2, scale: 1, name: "--curve" }, dashed];
   plot(of("force"), history, forces, bandsOf("lift", 1), unit);
-  of("force-title").textContent = `Lift, and drag dashed${forceUnit ? ` (${forceUnit})` : ""}`;
+  const drag = isSpace ? "force along the stroke" : "drag";
+  of("force-title").textContent = `Lift, and ${drag} dashed${forceUnit ? ` (${forceUnit})` : ""}`;
   of("force-text").textContent = sentence("Lift", 2, "lift", 1, forceUnit);
-  of("force").setAttribute("aria-label", of("force-text").textContent || "Lift and drag");
+  of("force").setAttribute("aria-label", of("force-text").textContent || `Lift and ${drag}`);
 }
 
 function showNumbers() {
   const { dimensionless: facts } = about.facts ?? {};
   if (!facts) return;
+  const isSpace = isInSpace(state.scene);
   const column = state.scene.quantity === "lift" ? 2 : motions()[0]?.column ?? 2;
   const found = history.length > 20 ? measure(history, column) : null;
   const f = found?.frequency;
   const rows = [
     ["Reynolds number", facts.reynolds],
+    ["Reduced frequency πfL/U", isSpace ? facts.reduced_frequency : null],
     ["Mass ratio μ/(ρL)", facts.mass_ratio],
     ["Mass by displaced fluid", facts.density_ratio],
-    ["Stiffness EI/(ρU²L³)", facts.stiffness],
-    ["Strouhal number fL/U", f ? (f * L()) / U() : null],
-    ["of the motion, 2Af/U", f && state.scene.quantity !== "lift" ? (2 * found.amplitude * f) / U() : null],
+    [isSpace ? "Stiffness D/(ρU²L³)" : "Stiffness EI/(ρU²L³)", facts.stiffness],
+    ["Strouhal number fL/U", f && !isSpace ? (f * L()) / U() : null],
+    ["of the motion, 2Af/U", f && !isSpace && state.scene.quantity !== "lift" ? (2 * found.amplitude * f) / U() : null],
     ["Cells", about.cells.join(" × ")],
     ["Time step", json.time.communication_step],
     ["A step takes", speed.ms ? `${number(speed.ms, 2)} ms` : null],
@@ -394,12 +430,27 @@ function place(to, radius) {
   return change(false);
 }
 
+let isTurned = false; // Whether the next frame will be seen from another side
+
+/** See space from other angles (rad) from the next frame on. */
+function turn([around, above]) {
+  camera = [around, Math.min(Math.max(above, -STEEPEST), STEEPEST)];
+  if (isTurned) return;
+  isTurned = true;
+  requestAnimationFrame(() => {
+    isTurned = false;
+    if (camera) look();
+  });
+}
+
 const standard = () => CYLINDER * (picture.part[3] - picture.part[2]);
 
 flow.addEventListener("pointerdown", (event) => {
   const to = picture.toMetres(event);
   flow.setPointerCapture(event.pointerId);
-  if (tool() === "place") {
+  if (camera) {
+    turning = { x: event.clientX, y: event.clientY, camera };
+  } else if (tool() === "place") {
     placing = { to, radius: standard() };
   } else {
     const { rod, station, distance } = nearest(to);
@@ -409,6 +460,10 @@ flow.addEventListener("pointerdown", (event) => {
 flow.addEventListener("pointermove", (event) => {
   const to = picture.toMetres(event);
   if (pull) setPull({ ...pull, to });
+  if (turning) {
+    const [x, y] = [event.clientX - turning.x, event.clientY - turning.y];
+    turn([turning.camera[0] - TURN * x, turning.camera[1] + TURN * y]);
+  }
   if (placing && event.buttons) {
     const radius = Math.hypot(to[0] - placing.to[0], to[1] - placing.to[1]);
     if (radius > 0.3 * standard()) placing.radius = Math.min(radius, 4 * standard());
@@ -418,7 +473,7 @@ for (const end of ["pointerup", "pointercancel"]) {
   flow.addEventListener(end, () => {
     if (pull) setPull(null);
     if (placing && end === "pointerup") place(placing.to, placing.radius);
-    placing = null;
+    placing = turning = null;
   });
 }
 
@@ -428,12 +483,14 @@ let cursor = null;
 flow.addEventListener("keydown", (event) => {
   const arrow = ARROWS[event.key];
   const [left, right, bottom, top] = picture.part;
-  if (tool() === "place" && (arrow || event.key === "Enter")) {
+  if (camera && arrow) {
+    turn(camera.map((angle, i) => angle + KEY_TURN * arrow[i]));
+  } else if (!camera && tool() === "place" && (arrow || event.key === "Enter")) {
     cursor ??= [(left + right) / 2, (bottom + top) / 2];
     if (arrow) cursor = cursor.map((at, axis) => at + 0.04 * (top - bottom) * arrow[axis]);
     placing = event.key === "Enter" ? null : { to: cursor, radius: standard() };
     if (event.key === "Enter") place(cursor, standard());
-  } else if (arrow && shapes.length) {
+  } else if (arrow && !camera && shapes.length) {
     const [xs, ys] = shapes[0];
     const station = xs.length - 1;
     const to = [xs, ys].map((list, axis) => list[station] + 0.25 * (top - bottom) * arrow[axis]);
@@ -520,7 +577,9 @@ of("clip").addEventListener("click", () => {
 
 of("scene").replaceChildren(...SCENES.map(({ id, title }) => new Option(title, id)));
 of("scene").addEventListener("change", ({ target }) => {
-  state = { ...fromHash(`#${target.value}`), field: state.field };
+  const { field } = state;
+  state = fromHash(`#${target.value}`);
+  if (fieldsOf(state.scene).includes(field)) state.field = field;
   load();
 });
 of("fields").append(...FIELDS.map((name) => {
@@ -564,6 +623,7 @@ globalThis.lab = {
   },
   draw: () => next(true),
   part: () => picture.part,
+  camera: () => camera,
   shapes: () => shapes,
   pause: () => running && of("run").click(),
   restart: load,

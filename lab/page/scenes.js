@@ -16,9 +16,18 @@ function set(object, path, value) {
   part[isNumber(last) ? Number(last) : last] = path.startsWith("-") ? -value : value;
 }
 
+/** Return whether a scene is one of space, which a camera sees. */
+export const isInSpace = ({ camera }) => Boolean(camera);
+
+/** Return the fields that a scene offers: in space those that have a largest value along a line of sight. */
+export const fieldsOf = (scene) => (isInSpace(scene) ? ["vorticity", "speed"] : ["vorticity", "speed", "pressure"]);
+
+/** Return the scale of each path of a slider. */
+const scalesOf = ({ scale = 1, paths }) => paths.map((_, i) => (Array.isArray(scale) ? scale[i] : scale));
+
 /** Return the values that the scene itself gives the sliders, by their names. */
 export function ownValues({ json, sliders }) {
-  return Object.fromEntries(sliders.map(({ id, scale = 1, paths: [path] }) => [id, get(json, path) / scale]));
+  return Object.fromEntries(sliders.map((slider) => [slider.id, get(json, slider.paths[0]) / scalesOf(slider)[0]]));
 }
 
 /** Return the JSON of a scene with the values of sliders and placed cylinders [x, y, radius]. */
@@ -26,10 +35,11 @@ export function sceneWith(scene, values, placed) {
   const json = structuredClone(scene.json);
   const own = ownValues(scene);
   let changed = placed.length > 0;
-  for (const { id, scale = 1, paths } of scene.sliders) {
-    if (values[id] === own[id]) continue;
+  for (const slider of scene.sliders) {
+    const value = values[slider.id];
+    if (value === own[slider.id]) continue;
     changed = true;
-    paths.forEach((path) => set(json, path, values[id] * scale));
+    scalesOf(slider).forEach((scale, i) => set(json, slider.paths[i], value * scale));
   }
   if (placed.length) {
     const more = placed.map(([x, y, radius]) => ({ center: [x, y], radius }));
@@ -72,8 +82,10 @@ export function fromHash(hash) {
     const slider = scene.sliders.find((known) => known.id === key);
     const numbers = value.split(",").map(Number);
     if (slider && numbers[0] >= slider.min && numbers[0] <= slider.max) values[key] = numbers[0];
-    if (key === "cylinder" && numbers.length === 3 && numbers.every(Number.isFinite)) placed.push(numbers);
-    if (key === "field" && ["speed", "pressure"].includes(value)) field = value;
+    if (key === "cylinder" && numbers.length === 3 && numbers.every(Number.isFinite) && !isInSpace(scene)) {
+      placed.push(numbers);
+    }
+    if (key === "field" && fieldsOf(scene).includes(value)) field = value;
   }
   return { scene, values, placed, field };
 }

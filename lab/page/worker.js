@@ -1,7 +1,7 @@
 // The simulation in a thread of its own. The page asks for a frame, and this thread steps, paints and answers.
 
 let module, wasm, lab = 0, columns = 0;
-let view = null; // What to paint: field, range, part of the plane, pixels, colours
+let view = null; // What to paint: field, range, part of the plane or of the picture, camera, pixels, colours
 
 const text = () => {
   const { memory, lab_message, lab_message_length } = wasm;
@@ -18,6 +18,9 @@ function withText(value, use) {
   return result;
 }
 
+/** Return what a function returns for each axis. */
+const axes = (of) => Array.from({ length: wasm.lab_dimensions(lab) }, (_, axis) => of(axis));
+
 /** Return the facts of a scene: Reynolds number and the like. */
 function factsOf(scene) {
   withText(scene, wasm.lab_facts);
@@ -31,7 +34,8 @@ async function load({ scene, known = scene }) {
   lab = withText(scene, wasm.lab_new);
   if (!lab) throw new Error(text());
   columns = wasm.lab_columns(lab);
-  return { facts: factsOf(known), columns, rods: wasm.lab_rods(lab), cells: [0, 1].map((a) => wasm.lab_cells(lab, a)) };
+  const [count, cells] = [wasm.lab_flexible(lab), axes((axis) => wasm.lab_cells(lab, axis))];
+  return { facts: factsOf(known), columns, count, cells };
 }
 
 function change({ scene, known = scene }) {
@@ -41,7 +45,8 @@ function change({ scene, known = scene }) {
   return { facts: factsOf(known), columns };
 }
 
-/** Step for at most `budget` ms and at most `steps` steps; return their samples, row after row. */
+/** Step for about `budget` ms, half a step more or less, and at most `steps` steps; return their samples, row after
+ * row. */
 function step(steps, budget) {
   const samples = [];
   const begin = performance.now();
@@ -49,7 +54,8 @@ function step(steps, budget) {
   for (let size = 1; made < steps; made += size) {
     if (wasm.lab_step(lab, size) < 0) throw new Error(text());
     samples.push(new Float64Array(wasm.memory.buffer, wasm.lab_samples(lab), size * columns).slice());
-    if (performance.now() - begin > budget) {
+    const spent = performance.now() - begin;
+    if (spent + spent / (made + size) / 2 > budget) {
       made += size;
       break;
     }
@@ -59,28 +65,32 @@ function step(steps, budget) {
   return { rows, made, seconds: (performance.now() - begin) / 1000 };
 }
 
-/** Positions of the stations of each rod, x and then y. */
+/** Positions of the stations of each rod, or nodes of each wing, along one axis after the other. */
 function shapes() {
-  return Array.from({ length: wasm.lab_rods(lab) }, (_, rod) => {
-    const n = wasm.lab_stations(lab, rod);
-    const axis = (a) => new Float64Array(wasm.memory.buffer, wasm.lab_positions(lab, rod, a), n).slice();
-    return [axis(0), axis(1)];
+  return Array.from({ length: wasm.lab_flexible(lab) }, (_, number) => {
+    const n = wasm.lab_stations(lab, number);
+    return axes((a) => new Float64Array(wasm.memory.buffer, wasm.lab_positions(lab, number, a), n).slice());
   });
 }
 
+/** Paint, and return the picture, and the axes of the camera in space: to the right, to the top, and to the viewer. */
 async function picture() {
-  const { field, range, part, pixels, colours } = view;
+  const { field, range, part, camera, pixels, colours } = view;
+  let directions = null;
+  if (camera) {
+    const numbers = [...new Float64Array(wasm.memory.buffer, wasm.lab_camera(lab, ...camera), 9)];
+    directions = [0, 3, 6].map((first) => numbers.slice(first, first + 3));
+  }
   new Uint32Array(wasm.memory.buffer, wasm.lab_colours(lab), 256).set(colours);
   const place = wasm.lab_paint(lab, field, ...range, ...part, ...pixels);
   const bytes = new Uint8ClampedArray(wasm.memory.buffer, place, 4 * pixels[0] * pixels[1]);
-  return createImageBitmap(new ImageData(bytes, ...pixels));
+  return { bitmap: await createImageBitmap(new ImageData(bytes, ...pixels)), directions };
 }
 
 async function frame({ steps, budget }) {
   if (!lab) throw new Error("no scene runs");
   const made = step(steps, budget);
-  const bitmap = view && (await picture());
-  return { ...made, bitmap, shapes: shapes() };
+  return { ...made, ...(view && (await picture())), shapes: shapes() };
 }
 
 const answers = {

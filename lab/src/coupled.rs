@@ -1,132 +1,87 @@
-//! A fluid and its rods with one exchange in a step: the rods step first, then the fluid, as the class `Explicit` of
-//! `python/nervure/coupling/schemes.py` steps the units.
+//! A fluid and its rods or wings with one exchange in a step: these step first, then the fluid, as the class
+//! `Explicit` of `python/nervure/coupling/schemes.py` steps the units.
 
-use fluid::{Fluid, Parameters};
+use fluid::{Error, Fluid, Parameters, Solvable};
 use fpenv::Fast;
-use rod::{BaseMotion, Loads, Rod};
-use scene::{Beam, CouplingScheme, Load, RootMotion, Scene};
+use rod::Loads;
+use scene::{CouplingScheme, Load, Scene};
 
-use crate::from_scene;
-
-/// Magnitude that no force may reach, N per metre of depth: the limit of the Python tool.
+/// Magnitude that no force may reach, N, in the plane per metre of depth: the limit of the Python tool.
 const LARGEST: f64 = 1e12;
+/// Parts of a step for which loads have to hold before it has fewer exchanges, as `LONGER` of the Python tool.
+const LONGER: f64 = 1.1;
+/// Part of a step that is rounding.
+const ROUNDING: f64 = 1e-9;
 
-/// A fluid with the rods in it.
-pub struct Coupled {
+/// A rod or a wing with its part of the scene.
+pub trait Flexible<const D: usize>: Sized {
+    /// Return those of a scene, with their roots in the places of time 0.
+    ///
+    /// # Errors
+    /// A scene whose parts this program cannot run.
+    fn all(scene: &Scene) -> Result<Vec<Self>, String>;
+
+    /// Return the loads of the next step.
+    fn loads_mut(&mut self) -> &mut Loads;
+
+    /// Step from `t` to `t + h` (s) with these loads.
+    ///
+    /// # Errors
+    /// A solver that fails, with its reason.
+    fn step(&mut self, t: f64, h: f64) -> Result<(), String>;
+
+    /// Return component `axis` of the positions of the stations, m.
+    fn positions(&self, axis: usize) -> &[f64];
+
+    /// Return component `axis` of their velocities, m/s.
+    fn velocities(&self, axis: usize) -> &[f64];
+
+    /// Continue from the state of another one.
+    ///
+    /// # Errors
+    /// A state that does not fit.
+    fn continue_from(&mut self, other: &Self) -> Result<(), String>;
+
+    /// Append to a sample the displacement of the tip, m, and what else is measured.
+    fn sample(&self, to: &mut Vec<f64>);
+}
+
+/// A fluid with the rods or wings in it.
+pub struct Coupled<const D: usize, F>
+where
+    [f64; D]: Solvable<D>,
+{
     scene: Scene,
-    fluid: Fluid,
-    rods: Vec<RodInFlow>,
+    fluid: Fluid<D>,
+    pub(crate) flexible: Vec<F>,
     /// Time before the first of `steps`, s.
     start: f64,
     /// Steps made since `start`.
     steps: u32,
     /// Length of the last exchange, s; 0 before the first.
     last: f64,
-    pull: Option<Pull>,
 }
 
-/// A rod with its part of the scene.
-struct RodInFlow {
-    rod: Rod<2>,
-    beam: Beam,
-    model: scene::Rod,
-    scene: Scene,
-}
-
-/// A spring from a station of a rod to a point of the plane.
-#[derive(Clone, Copy, Debug)]
-pub struct Pull {
-    /// Number of the rod, from 0.
-    pub rod: usize,
-    /// Number of the station, from 0 at the root.
-    pub station: usize,
-    /// The other end of the spring, m.
-    pub to: [f64; 2],
-    /// Stiffness, N/m per metre of depth.
-    pub stiffness: f64,
-}
-
-impl RodInFlow {
-    /// The rod of a scene with a single rod, with its root in the place of time 0.
-    fn new(scene: Scene) -> Result<Self, String> {
-        let (Some(beam), Some(model)) = (scene.beam.clone(), scene.rod.clone()) else {
-            return Err(format!("the scene {:?} has no beam with a rod", scene.name));
-        };
-        if scene.dimension(&beam) != 2 {
-            return Err("a rod in space cannot be in this flow, which has two dimensions".into());
-        }
-        if matches!(model.root_motion, Some(RootMotion::Master)) {
-            return Err("`rod.root_motion` is left to a master, but here only laws of time can drive a root".into());
-        }
-        let mut rod = Rod::new(from_scene::parameters(&scene, &beam, &model)).map_err(|e| e.to_string())?;
-        rod.loads = from_scene::loads(&scene, 2, beam.segments + 1);
-        let mut own = Self { rod, beam, model, scene };
-        if let Some(base) = own.base_at(0.0) {
-            own.rod.place(base).map_err(|e| e.to_string())?;
-        }
-        Ok(own)
-    }
-
-    /// Return the motion of a driven root at `t` (s).
-    fn base_at(&self, t: f64) -> Option<BaseMotion<2>> {
-        let Some(RootMotion::Laws(laws)) = &self.model.root_motion else { return None };
-        let (rest, direction) = self.scene.beam_root(&self.beam);
-        let (displacement, velocity) = laws.displacement(t);
-        let (direction, rate) = laws.direction(t, direction);
-        let plane = |[x, y, _]: [f64; 3]| [x, y];
-        let position = std::array::from_fn(|d| rest[d] + displacement[d]);
-        Some(BaseMotion {
-            position,
-            velocity: plane(velocity),
-            direction: plane(direction),
-            direction_rate: plane(rate),
-        })
-    }
-
-    /// Step from `t` to `t + h` (s) with the loads that were set.
-    fn step(&mut self, t: f64, h: f64) -> Result<(), String> {
-        if let Some(base) = self.base_at(t + h) {
-            self.rod.base_motion = Some(base);
-        }
-        if let Some([x, y, _]) = self.model.root.towing_force(t + h) {
-            self.rod.towing = [x, y];
-        }
-        self.rod.step(h).map_err(|e| format!("{e}, in the step from t = {t} s"))
-    }
-
-    /// Add the force of a spring to the loads: that for a station that keeps its velocity, with the impedance by which the
-    /// stretch counts that the step ends with.
-    fn pull(&mut self, pull: &Pull, h: f64) {
-        let n = self.beam.segments + 1;
-        let station = pull.station.min(n - 1);
-        let ahead = |axis| self.rod.positions(axis)[station] + h * self.rod.velocities(axis)[station];
-        let stretch = [0, 1].map(|axis| pull.to[axis] - ahead(axis));
-        let Loads { force, impedance, .. } = &mut self.rod.loads;
-        force.resize(2 * n, 0.0);
-        impedance.resize(n, 0.0);
-        for (force, stretch) in force.chunks_exact_mut(n).zip(stretch) {
-            force[station] += pull.stiffness * stretch;
-        }
-        impedance[station] += pull.stiffness * h;
-    }
-}
-
-impl Coupled {
-    /// The fluid and the rods of a scene file at t = 0.
+impl<const D: usize, F: Flexible<D>> Coupled<D, F>
+where
+    [f64; D]: Solvable<D>,
+    Parameters<D>: for<'a> TryFrom<&'a Scene, Error = Error>,
+{
+    /// The fluid of a scene file with what is in it, at t = 0.
     ///
     /// # Errors
     /// A scene with faults, or one that this program cannot run.
     pub fn new(text: &str) -> Result<Self, String> {
-        let mut scene = Scene::from_json(text).map_err(|e| e.to_string())?;
-        if scene
-            .coupling
-            .as_ref()
-            .and_then(|coupling| coupling.scheme)
-            .is_some_and(|scheme| scheme != CouplingScheme::Explicit)
-        {
+        Self::of(Scene::from_json(text).map_err(|e| e.to_string())?)
+    }
+
+    /// The same of a scene.
+    pub(crate) fn of(mut scene: Scene) -> Result<Self, String> {
+        let scheme = scene.coupling.as_ref().and_then(|coupling| coupling.scheme);
+        if scheme.is_some_and(|scheme| scheme != CouplingScheme::Explicit) {
             return Err("`coupling.scheme` must be `explicit` here: one exchange in a step, the rods first".into());
         }
-        if scene.load() == Some(Load::PressureJump) && scene.coupling.as_ref().is_none_or(|own| own.scheme.is_none()) {
+        if scene.load() == Some(Load::PressureJump) && scheme.is_none() {
             return Err(
                 "a rod that weighs less than the fluid it displaces needs iterations, which are not made here".into()
             );
@@ -134,16 +89,10 @@ impl Coupled {
         if let Some(fluid) = &mut scene.fluid {
             fluid.threads = 1;
         }
-        let parameters = Parameters::<2>::try_from(&scene).map_err(|e| e.to_string())?;
+        let parameters = Parameters::<D>::try_from(&scene).map_err(|e| e.to_string())?;
         let fluid = Fluid::new(&parameters).map_err(|e| e.to_string())?;
-        let of_rod = |name: Option<String>| Scene { this_rod: name, ..scene.clone() }.of_unit();
-        let rods = if scene.rods.is_empty() {
-            scene.rod.iter().filter_map(|_| of_rod(None)).map(RodInFlow::new).collect::<Result<_, _>>()?
-        } else {
-            let names = scene.rods.iter().map(|rod| Some(rod.name.clone()));
-            names.filter_map(of_rod).map(RodInFlow::new).collect::<Result<_, _>>()?
-        };
-        Ok(Self { scene, fluid, rods, start: 0.0, steps: 0, last: 0.0, pull: None })
+        let flexible = F::all(&scene)?;
+        Ok(Self { scene, fluid, flexible, start: 0.0, steps: 0, last: 0.0 })
     }
 
     /// Continue with another scene from the present flow: with other values, or with more or fewer cylinders, after
@@ -160,13 +109,13 @@ impl Coupled {
         } else {
             next.fluid.continue_from(&self.fluid).map_err(|e| e.to_string())?;
         }
-        if next.rods.len() != self.rods.len() {
-            return Err("the scene has another number of rods".into());
+        if next.flexible.len() != self.flexible.len() {
+            return Err("the scene has another number of rods or wings".into());
         }
-        for (new, old) in next.rods.iter_mut().zip(&self.rods) {
-            new.rod.restore(old.rod.state()).map_err(|e| e.to_string())?;
+        for (new, old) in next.flexible.iter_mut().zip(&self.flexible) {
+            new.continue_from(old)?;
         }
-        (next.start, next.pull) = (time, self.pull);
+        next.start = time;
         *self = next;
         Ok(())
     }
@@ -177,7 +126,7 @@ impl Coupled {
     }
 
     /// Return the fluid.
-    pub fn fluid(&mut self) -> &mut Fluid {
+    pub fn fluid(&mut self) -> &mut Fluid<D> {
         &mut self.fluid
     }
 
@@ -186,19 +135,14 @@ impl Coupled {
         self.start + f64::from(self.steps) * self.scene.time.communication_step
     }
 
-    /// Return the number of rods.
-    pub fn rods(&self) -> usize {
-        self.rods.len()
+    /// Return the number of rods or wings.
+    pub fn flexible(&self) -> usize {
+        self.flexible.len()
     }
 
-    /// Return component `axis` of the positions of the stations of a rod, m.
-    pub fn positions(&self, rod: usize, axis: usize) -> &[f64] {
-        self.rods[rod].rod.positions(axis)
-    }
-
-    /// Pull at a station from now on, or let go.
-    pub fn set_pull(&mut self, pull: Option<Pull>) {
-        self.pull = pull.filter(|pull| pull.rod < self.rods.len());
+    /// Return component `axis` of the positions of the stations of a rod or a wing, m.
+    pub fn positions(&self, number: usize, axis: usize) -> &[f64] {
+        self.flexible[number].positions(axis)
     }
 
     /// Make one step of the size of the scene, with an exchange in each step of the fluid.
@@ -209,9 +153,9 @@ impl Coupled {
         let _fast = Fast::enter();
         let (t, h) = (self.time(), self.scene.time.communication_step);
         // As `python/nervure/coupling`: the announced loads hold for a step as long as the last one, or that divided.
-        let whole = |number: f64| (number - 1e-9).ceil().max(1.0);
+        let whole = |number: f64| (number - ROUNDING).ceil().max(1.0);
         let parts = |own: &Self, h: f64| if own.fluid.announces() { whole(h / own.fluid.longest_step()) } else { 1.0 };
-        if self.last == 0.0 || 2.0 * parts(self, h) <= h / self.last * (1.0 + 1e-9) {
+        if self.last == 0.0 || 2.0 * parts(self, LONGER * h) <= h / self.last * (1.0 + ROUNDING) {
             self.last = h;
         }
         let mut left = h;
@@ -222,46 +166,49 @@ impl Coupled {
             left = if count > 1.0 { left - self.last } else { 0.0 };
         }
         self.steps += 1;
-        let [drag, lift] = self.fluid.force();
-        if drag.abs().max(lift.abs()) < LARGEST {
+        let force = self.fluid.force();
+        // A number that is none is not below either.
+        if force.iter().all(|force| force.abs() < LARGEST) {
             return Ok(());
         }
-        Err(format!("the force of the flow is {drag:.3e}, {lift:.3e} N/m at t = {:.3} s", self.time()))
+        let force = force.map(|force| format!("{force:.3e}")).join(", ");
+        let unit = if D == 2 { "N/m" } else { "N" };
+        Err(format!("the force of the flow is {force} {unit} at t = {:.3} s", self.time()))
     }
 
-    /// Step the rods from `t` to `t + h` (s) with the present loads, then the fluid.
+    /// Step what is flexible from `t` to `t + h` (s) with the present loads, then the fluid.
     fn exchange(&mut self, t: f64, h: f64) -> Result<(), String> {
-        for (i, own) in self.rods.iter_mut().enumerate() {
-            take_loads(&mut self.fluid, i, &mut own.rod.loads);
-            if let Some(pull) = self.pull.filter(|pull| pull.rod == i) {
-                own.pull(&pull, h);
-            }
-            own.step(t, h)?;
+        for (i, own) in self.flexible.iter_mut().enumerate() {
+            take_loads(&mut self.fluid, i, own.loads_mut());
+            own.step(t, h).map_err(|e| format!("{e}, in the step from t = {t} s"))?;
         }
-        for (stations, own) in self.fluid.stations_mut().iter_mut().zip(&self.rods) {
-            for axis in 0..2 {
-                stations.position[axis].copy_from_slice(own.rod.positions(axis));
-                stations.velocity[axis].copy_from_slice(own.rod.velocities(axis));
+        for (stations, own) in self.fluid.stations_mut().iter_mut().zip(&self.flexible) {
+            for axis in 0..D {
+                stations.position[axis].copy_from_slice(own.positions(axis));
+                stations.velocity[axis].copy_from_slice(own.velocities(axis));
             }
         }
         self.fluid.advance(t, h).map_err(|e| e.to_string())
     }
 
-    /// Return time, drag and lift, the displacement of the tip of each rod, and the position of each body, in SI units.
-    pub fn sample(&self) -> impl Iterator<Item = f64> {
-        let tips = self.rods.iter().flat_map(|own| own.rod.tip_displacement());
-        let bodies = self
-            .scene
-            .fluid
-            .as_ref()
-            .map_or(0..0, |fluid| fluid.cylinders.len()..fluid.cylinders.len() + fluid.bodies.len());
-        let places = bodies.flat_map(|body| <[f64; 2]>::from(self.fluid.pose(body).position));
-        [self.time()].into_iter().chain(self.fluid.force()).chain(tips).chain(places)
+    /// Return the time, the force of the fluid along each axis, what each rod or wing appends, and the position of
+    /// each body, in SI units.
+    pub fn sample(&self) -> Vec<f64> {
+        let mut sample = vec![self.time()];
+        sample.extend(self.fluid.force());
+        self.flexible.iter().for_each(|own| own.sample(&mut sample));
+        let part = self.scene.fluid.as_ref();
+        let bodies = part.map_or(0..0, |part| part.cylinders.len()..part.cylinders.len() + part.bodies.len());
+        sample.extend(bodies.flat_map(|body| <[f64; D]>::from(self.fluid.pose(body).position)));
+        sample
     }
 }
 
-/// Copy the loads of the fluid on beam number `i` to those of its rod; absent loads stay absent.
-fn take_loads(fluid: &mut Fluid, i: usize, loads: &mut Loads) {
+/// Copy the loads of the fluid on flexible body number `i` to those of its solver; absent loads stay absent.
+fn take_loads<const D: usize>(fluid: &mut Fluid<D>, i: usize, loads: &mut Loads)
+where
+    [f64; D]: Solvable<D>,
+{
     if let Some(given) = fluid.loads().get(i) {
         let n = given.impedance.len();
         for (own, given) in loads.force.chunks_exact_mut(n).zip(&given.force) {

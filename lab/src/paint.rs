@@ -30,11 +30,24 @@ pub type Colours = [u32; 256];
 /// Paint a field row by row from the top left, with the colours of `range`.
 pub fn paint(field: &Periodic, view: &View, range: [f64; 2], colours: &Colours, picture: &mut Vec<u32>) {
     let [width, height] = view.pixels;
+    picture.resize(width * height, 0);
+    for_each_pixel(field, view, |[px, py], value| {
+        picture[(height - 1 - py) * width + px] = colour_of(value, range, colours);
+    });
+}
+
+/// Return the colour of a number.
+pub fn colour_of(value: f64, [low, high]: [f64; 2], colours: &Colours) -> u32 {
+    // A conversion saturates, and makes 0 of what is no number.
+    let colour = ((value - low) * (colours.len() as f64 / (high - low))) as usize;
+    colours[colour.min(colours.len() - 1)]
+}
+
+/// Visit the pixels of a view, counted from the low ends, with the mean of the field over two cells there.
+pub fn for_each_pixel(field: &Periodic, view: &View, mut visit: impl FnMut([usize; 2], f64)) {
     let [columns, rows] = [0, 1].map(|axis| taps(field, view, axis));
     let ny = field.cells[1];
-    let scale = colours.len() as f64 / (range[1] - range[0]);
     let mut line = vec![0.0; ny];
-    picture.resize(width * height, 0);
     for (px, (points, weights)) in columns.iter().enumerate() {
         line.fill(0.0);
         for (&i, weight) in points.iter().zip(weights) {
@@ -43,10 +56,7 @@ pub fn paint(field: &Periodic, view: &View, range: [f64; 2], colours: &Colours, 
             }
         }
         for (py, (points, weights)) in rows.iter().enumerate() {
-            let value: f64 = points.iter().zip(weights).map(|(&j, weight)| weight * line[j]).sum();
-            // A conversion saturates, and makes 0 of what is no number.
-            let colour = ((value - range[0]) * scale) as usize;
-            picture[(height - 1 - py) * width + px] = colours[colour.min(colours.len() - 1)];
+            visit([px, py], points.iter().zip(weights).map(|(&j, weight)| weight * line[j]).sum());
         }
     }
 }
