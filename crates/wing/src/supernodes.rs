@@ -115,9 +115,21 @@ impl Plan {
 
     /// Write the factors of the matrix of `values`; `false` means that it is not positive definite.
     pub(crate) fn factorise(&mut self, values: &[f64], factors: &mut [f64]) -> bool {
+        self.spread(values, factors);
+        Arch::new().dispatch(Factorise { plan: self, factors })
+    }
+
+    /// The same as on a processor without vectors.
+    #[cfg(test)]
+    pub(crate) fn factorise_without_vectors(&mut self, values: &[f64], factors: &mut [f64]) -> bool {
+        self.spread(values, factors);
+        Factorise { plan: self, factors }.with_simd(pulp::Scalar)
+    }
+
+    /// Write the values to their places.
+    fn spread(&self, values: &[f64], factors: &mut [f64]) {
         factors.fill(0.0);
         self.places.iter().zip(values).for_each(|(&place, value)| factors[place as usize] = *value);
-        Arch::new().dispatch(Factorise { plan: self, factors })
     }
 
     /// Replace `y` by the solution of L Lᵀ y, in the order of the factors; `below` is scratch of the same size.
@@ -296,8 +308,8 @@ fn multiply_tile<S: Simd, const N: usize>(
     let row = done * S::F64_LANES;
     let mut sums = [[simd.splat_f64s(0.0); N]; WIDE];
     for column in 0..depth {
-        let column = &from[column * height..][..row + N * S::F64_LANES];
-        let (vectors, _) = S::as_simd_f64s(&column[row..]);
+        let column = &from[column * height..][..WIDE.max(row + N * S::F64_LANES)];
+        let (vectors, _) = S::as_simd_f64s(&column[row..][..N * S::F64_LANES]);
         for j in 0..WIDE {
             let factor = simd.splat_f64s(column[j]);
             for i in 0..N {
