@@ -3,10 +3,12 @@
 import json
 import subprocess
 import sys
+import time
 
 import make_lab
 import numpy as np
 import pytest
+import record_digits
 
 import nervure
 from nervure.evaluate import statistics
@@ -54,6 +56,16 @@ def test_fsi3_flaps_as_with_the_units(browser, tmp_path):
     )
     assert expected.amplitude > 0.03 and expected.frequency_hz > 6, "the bar flaps"
     assert vars(page) == pytest.approx(vars(expected), rel=0.01, abs=0.01 * expected.amplitude)
+
+
+def test_a_wing_has_the_digits_of_the_units(browser):
+    recorded = json.loads(record_digits.RECORDED.read_text(encoding="utf-8"))
+    scene = nervure.load(recorded["scene"]).copy(recorded["set"])
+    text = json.dumps(json.dumps(scene.document()))
+    opened(browser, "#wing").run(f"lab.ask('load', {{ scene: {text} }})")
+    found = rows(browser, recorded["steps"])[-1]
+    expected = np.array([recorded["outputs"][name] for name in record_digits.COLUMNS])
+    assert found == pytest.approx(expected, rel=1e-8, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -109,6 +121,43 @@ def test_an_arrow_key_pulls_the_rod(browser):
     assert pulled < free - 1e-3
 
 
+def test_a_stiff_wing_twists_less(browser):
+    stiff, own = (rows(opened(browser, state), 120)[-1] for state in ("#wing&stiffness=10", "#wing"))
+    assert abs(own[-1]) > 4.0 * abs(stiff[-1]) > 0.01
+    scene = opened(browser, "#wing&stiffness=0.5").run("lab.scene()")
+    veins = zip(scene["wing"]["veins"], SCENES["wing"]["json"]["wing"]["veins"], strict=True)
+    assert all(here["bending_stiffness"] == pytest.approx(0.5 * there["bending_stiffness"]) for here, there in veins)
+
+
+COLOURS = """{ const { width, height } = document.getElementById("flow");
+    const { data } = document.getElementById("flow").getContext("2d").getImageData(0, 0, width, height);
+    [...new Uint32Array(data.buffer)]; }"""
+
+
+def test_space_is_seen_from_the_side_to_which_keys_and_the_mouse_turn_it(browser):
+    rows(opened(browser, "#wing"), 200)
+
+    def drawn():
+        browser.run("lab.draw()")
+        time.sleep(0.5)
+        return np.array(browser.run(COLOURS))
+
+    first, camera = drawn(), browser.run("lab.camera()")
+    assert np.unique(first).size > 100, "vorticity, and a wing over it"
+    browser.run("document.getElementById('flow').focus()")
+    browser.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowRight")
+    assert browser.run("lab.camera()") == pytest.approx([camera[0] + 0.12, camera[1]])
+    turned = drawn()
+    assert np.mean(turned != first) > 0.05
+    for kind, x in (("mousePressed", 400), ("mouseMoved", 340), ("mouseReleased", 340)):
+        browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=300, button="left", buttons=1, clickCount=1)
+    assert browser.run("lab.camera()")[0] > camera[0] + 0.12 + 0.3
+    hidden = "[...document.querySelectorAll('#tools, [name=field][value=pressure]')].map((own) => own.offsetParent)"
+    assert browser.run(hidden) == [None, None]
+    assert browser.run("(location.hash = '#fsi3', true)")
+    wait(browser, "lab.camera() === null")
+
+
 def test_what_fails_is_said(browser):
     opened(browser)
     with pytest.raises(RuntimeError, match="missing required key"):
@@ -132,12 +181,12 @@ def test_controls_have_names(browser):
 
 @pytest.mark.skipif(not AXE.is_file(), reason="`make lab-test` has not fetched axe-core")
 @pytest.mark.parametrize("dark", [False, True])
-@pytest.mark.parametrize("width", [390, 1280])
-def test_nothing_stands_in_the_way_of_anybody(browser, width, dark):
+@pytest.mark.parametrize(("scene", "width"), [("fsi3", 390), ("fsi3", 1280), ("wing", 390)])
+def test_nothing_stands_in_the_way_of_anybody(browser, scene, width, dark):
     feature = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
     browser.call("Emulation.setEmulatedMedia", features=[feature])
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
-    rows(opened(browser, "#fsi3"), 100)
+    rows(opened(browser, f"#{scene}"), 100)
     checked(browser)
     browser.call("Emulation.clearDeviceMetricsOverride")
 
