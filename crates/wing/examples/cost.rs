@@ -62,13 +62,12 @@ fn faer(wing: &Wing, times: u32) -> Result<f64, Failure> {
     let matrix = SparseColMatRef::new(pattern, values);
     let mut room = MemBuffer::new(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()));
     let mut factors = vec![0.0; symbolic.len_val()];
-    let own = Default::default;
+    let stack = MemStack::new(&mut room);
     (0..times).try_fold(0.0, |sum, _| {
         let start = seconds();
+        let (regularization, parameters) = Default::default();
         symbolic
-            .factorize_numeric_llt(
-                &mut factors, matrix, Side::Lower, own(), Par::Seq, MemStack::new(&mut room), Default::default(),
-            )
+            .factorize_numeric_llt(&mut factors, matrix, Side::Lower, regularization, Par::Seq, stack, parameters)
             .map_err(|error| format!("{error:?}"))?;
         Ok(sum + seconds() - start)
     })
@@ -77,9 +76,10 @@ fn faer(wing: &Wing, times: u32) -> Result<f64, Failure> {
 /// Write the entries of the last matrix.
 fn write(wing: &Wing, path: &Path) -> std::io::Result<()> {
     let (columns, rows, values) = wing.matrix();
-    let lines = columns.windows(2).enumerate().flat_map(|(column, ends)| {
-        (ends[0]..ends[1]).map(move |k| format!("{} {column} {:e}\n", rows[k], values[k]))
-    });
+    let lines = columns
+        .windows(2)
+        .enumerate()
+        .flat_map(|(column, ends)| (ends[0]..ends[1]).map(move |k| format!("{} {column} {:e}\n", rows[k], values[k])));
     std::fs::write(path, lines.collect::<String>())
 }
 
