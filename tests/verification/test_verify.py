@@ -275,7 +275,6 @@ def test_a_parameter_whose_runs_stand_beside_another_flow_is_varied_again(tmp_pa
     for name in ("cells=2", "cells=1.41"):
         flag.rows[name]["drag_mean"] = 1.0
     wanted = [one.name for one in flag._next_round(flag._found())]
-    print(wanted)
     assert flag._base().name == "cells=2" and "cells=2,segments=2" in wanted
 
 
