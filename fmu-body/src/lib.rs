@@ -41,7 +41,7 @@ impl Model for BodyUnit {
     }
 
     fn step(&mut self, t: f64, h: f64, _: &Log) -> Result<(), String> {
-        self.advance(t, h).map_err(|e| format!("{e}, in the step from t = {t} s to {} s", t + h))
+        self.advance(t, h).map_err(|e| format!("{e}, {}", adapter::span(t, h)))
     }
 
     fn save(&self) -> UnitState {

@@ -197,7 +197,7 @@ impl BodyUnit {
     /// Advance from `t` to `t + h`.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), String> {
         if (h - self.step).abs() > 1e-9 * h {
-            return Err(format!("the step of {h:.3e} s must be the announced `step`, {:.3e} s", self.step));
+            return Err(format!("the step of {h:e} s must be the announced `step`, {:e} s", self.step));
         }
         let responses: Vec<_> = self.hinges.iter().map(|own| own.response).collect();
         let reactions: Vec<Freedoms> = self.hinges.iter().map(Carrying::reaction).collect();
@@ -220,13 +220,13 @@ impl BodyUnit {
         if let Ok(Some(change)) = &pushed {
             flyer.change(&step, change, &responses);
         }
-        let is_finite = flyer.body().state.now.is_finite();
+        let is_finite = flyer.body().state.now.is_finite() && flyer.body().energy().iter().all(|own| own.is_finite());
         if !is_finite || pushed.is_err() {
             flyer.restore(&before);
         }
         pushed?;
         if !is_finite {
-            return Err("the place of the body is no finite number".into());
+            return Err("the place or the energy of the body is no finite number".into());
         }
         self.time = t + h;
         self.angle = nearest(self.body().state.now.orientation.scaled_axis(), &self.angle.into()).into();

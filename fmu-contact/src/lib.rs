@@ -94,7 +94,7 @@ impl Model for ContactUnit {
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
-        let span = |e| format!("{e}, in the step from t = {t} s to {} s", t + h);
+        let span = |e| format!("{e}, {}", adapter::span(t, h));
         either!(&mut self.coupling, own => own.advance(h)).map_err(span)?;
         let fast = either!(&self.coupling, own => own.fast());
         fast.iter().skip(self.warned_meetings).for_each(|own| log.warn(self.scene.warning_of(own, t + h)));

@@ -22,7 +22,7 @@ where
     pub displacements: Vec<Pose<D>>,
     /// Displacement of the fine box then, m; unused unless the master moves it.
     pub box_displacement: [f64; D],
-    /// Velocity that the master adds to the stream in the step, m/s; unused without a gust.
+    /// Velocity that the master adds to the stream at the end of the step, m/s; unused without a gust.
     pub gust: [f64; D],
     /// None in a description.
     solver: Option<Fluid<D>>,
@@ -119,7 +119,7 @@ where
     pub fn start_at(&mut self, start: f64) -> Result<(), Error> {
         self.give_displacements();
         let is_free = self.parameters.fine_box.is_some_and(|fine| fine.follows == Some(Followed::Master));
-        if is_free || start != self.solver().time() {
+        if is_free || self.give_gust() || start != self.solver().time() {
             self.solver_mut().start_at(start);
         }
         self.solver_mut().announce_first()
@@ -128,9 +128,7 @@ where
     /// Advance from `t` to `t + h` (s).
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.give_displacements();
-        if let Some(gust) = &self.parameters.gust {
-            gust.set(&self.gust);
-        }
+        self.give_gust();
         let solver = self.solver.as_mut().expect(BUILT);
         solver.stations_mut().iter_mut().zip(&self.stations).for_each(|(to, from)| to.copy_from(from));
         solver.advance(t, h)
@@ -142,6 +140,11 @@ where
         let solver = self.solver();
         let moves = |own: &Stations<D>| own.velocity.iter().flatten().any(|velocity| *velocity != 0.0);
         D == 2 && solver.announces() && h > solver.longest_step() * (1.0 + 1e-9) && self.stations.iter().any(moves)
+    }
+
+    /// Give the stream what the master adds to it, and return whether there is such a gust.
+    fn give_gust(&self) -> bool {
+        self.parameters.gust.as_ref().inspect(|gust| gust.set(&self.gust)).is_some()
     }
 
     /// Give the solver the displacements of the bodies that the master moves, and of the fine box.

@@ -43,11 +43,15 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = adapter::RESOURCES;
-    const STATE_LAYOUT: u32 = 10;
+    const STATE_LAYOUT: u32 = 11;
     type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        let scene = adapter::scene_of(resources)?;
+        let mut scene = adapter::scene_of(resources)?;
+        // The variables are those of this load: no parameter chooses another.
+        if let load @ Some(_) = scene.load() {
+            scene.coupling.get_or_insert_default().load = load;
+        }
         let flow = flow::of_scene(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);

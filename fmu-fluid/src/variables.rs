@@ -99,7 +99,7 @@ where
             // An inflow blows along x alone.
             let axes = if part.mean_flow.is_some() { D } else { 1 };
             for (axis, along) in AXES.into_iter().enumerate().take(axes) {
-                let text = format!("Velocity along {along} that is added to the stream in the step");
+                let text = format!("Velocity along {along} that is added to the stream at the end of the step");
                 list.0.push(Real::input(format!("gust.{along}"), "m/s", text, move |m: &mut FluidUnit| {
                     from_mut(&mut flow::<D>(m).gust[axis])
                 }));

@@ -7,7 +7,7 @@ mod parameters;
 mod unit;
 mod variables;
 
-use adapter::{Carried, either, of_both};
+use adapter::{Announced, Carried, either, of_both};
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use rod::{RootSupport, Statistics};
 
@@ -69,7 +69,7 @@ impl Model for RodUnit {
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
-        let span = || format!("in the step from t = {t} s to {} s", t + h);
+        let span = || adapter::span(t, h);
         self.begin_step(h)?;
         RodUnit::step(self, t, h).map_err(|e| format!("{e}, {}", span()))?;
         let Statistics { iterations, substeps, halvings, rescues, negative_pivots, .. } =
@@ -86,6 +86,10 @@ impl Model for RodUnit {
 
     fn state_bytes(&self) -> usize {
         STATE_BYTES_PER_STATION * self.stations()
+    }
+
+    fn fault(&self) -> Option<String> {
+        self.announced.as_ref().and_then(Announced::fault)
     }
 
     fn save(&self) -> BodyState {

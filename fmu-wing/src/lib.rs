@@ -250,7 +250,7 @@ impl Model for WingUnit {
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
-        let span = || format!("in the step from t = {t} s to {} s", t + h);
+        let span = || adapter::span(t, h);
         self.begin_step(h)?;
         let base = self.base_at(t + h);
         self.move_solids([t, t + h]);
@@ -274,6 +274,10 @@ impl Model for WingUnit {
 
     fn state_bytes(&self) -> usize {
         STATE_BYTES_PER_NODE * self.nodes()
+    }
+
+    fn fault(&self) -> Option<String> {
+        self.announced.as_ref().and_then(Announced::fault)
     }
 
     fn save(&self) -> wing::WingState {

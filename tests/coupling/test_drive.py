@@ -254,6 +254,50 @@ def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries
     assert apart < most, f"{apart:.1e} of the change of the drag"
 
 
+def driven_by_gust(step: float, law: dict | None = None) -> nervure.Scene:
+    """Return a stream past a circle whose fluid makes steps of 5 ms, with a law added or with a gust."""
+    fluid = {
+        "density": 1.0,
+        "kinematic_viscosity": 0.05,
+        "box": {"x": [-2.0, 2.0], "y": [-2.0, 2.0], "cells": [32, 32]},
+        "initial_velocity": [1.0, 0.0],
+        "mean_flow": {"x": {"sum": [{"constant": 1.0}, law]} if law else {"constant": 1.0}},
+        "bodies": [{"shape": {"circle": {"radius": 0.3}}, "position": [0.0, 0.0]}],
+        "time_stepping": {"max_step": 0.005, "max_cfl": 0.4},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+    } | ({} if law else {"gust": "master"})
+    return validate({"name": "gust", "time": {"end": 0.3, "communication_step": step}, "fluid": fluid})
+
+
+def test_a_gust_is_linear_over_the_steps_of_the_fluid(libraries):
+    """A gust that rises evenly blows as its law, however often the fluid divides a communication step."""
+    ramp = {"table": {"times": [0.0, 10.0], "values": [0.0, 20.0]}}
+    for step in (0.005, 0.02):
+        drags = []
+        for law in (ramp, None):
+            drive = None if law else lambda t, _: {"gust.x": 2.0 * t}
+            with Session(driven_by_gust(step, law), drive=drive) as session:
+                assert session.run().error is None, session.error
+                drags.append(session.recorder.series["drag"])
+        assert np.abs(drags[1] - drags[0]).max() < 1e-9 * np.ptp(drags[0])
+
+
+def test_a_fluid_under_a_gust_goes_back_and_on_in_another_instance(instantiate):
+    first, second = (instantiate(driven_by_gust(0.02).document())["fluid"] for _ in range(2))
+
+    def shown(unit, begin):
+        for k in range(begin, begin + 3):
+            unit.inputs[:] = 0.7 + 0.3 * k
+            unit.step(k * 0.02, 0.02)
+        unit.get()
+        return unit.outputs.copy()
+
+    for unit in (first, second):
+        unit.connect(["gust.x"], ["drag", "kinetic_energy"])
+        unit.start()
+    conftest.goes_back_and_on(first, second, shown, 3)
+
+
 def test_a_scene_is_inspected_with_what_it_leaves_open_at_rest(libraries):
     done = conftest.nervure("inspect", PLATE)
     assert done.returncode == 0 and "wall time" in done.stdout, done.stderr

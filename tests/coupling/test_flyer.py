@@ -14,7 +14,7 @@ import pytest
 import nervure
 from nervure.coupling import CouplingError
 from nervure.coupling.flight import Carried
-from nervure.errors import InputError, SceneError
+from nervure.errors import InputError, SceneError, UnitFailure
 from nervure.library import monitor
 from nervure.output import animation
 from nervure.resources import ROOT
@@ -265,6 +265,28 @@ def test_a_hinge_beyond_all_numbers_is_refused():
     scene["flyer"]["hinges"][0]["position"] = [0.0, 1e300, 0.0]
     with pytest.raises(SceneError, match=r"`flyer.hinges\[0\].position` is .* must be from -1e100 to 1e100 m"):
         describe("body", scene)
+
+
+def test_a_wing_that_folds_on_its_body_is_named(tmp_path):
+    scene = pair()
+    for own in scene["wings"]:
+        own["wing"]["membrane"] |= {"bending_stiffness": 1e-6}
+    for hinge in scene["flyer"]["hinges"]:
+        hinge["motion"] = {"stroke": {"sine": {"amplitude": 1.5, "frequency": 5.0}}}
+    scene["time"] = {"end": 1.0, "communication_step": 1e-3}
+    with Session(nervure.Scene.model_validate(scene), tmp_path) as session:
+        found = session.run().error
+    assert "the wing folds at nodes" in found and "stiffer bending helps" in found, found
+
+
+def test_a_body_under_a_load_beyond_all_numbers_refuses_the_step(instantiate):
+    scene = pair()
+    unit = instantiate(scene)["body"]
+    unit.connect(["left.root.reaction"], ["x"])
+    unit.start()
+    unit.inputs[:] = 1e300
+    with pytest.raises(UnitFailure, match="energy of the body is no finite number"):
+        unit.step(0.0, 5e-3)
 
 
 def test_a_unit_that_announces_nothing_is_refused(tmp_path):

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from nervure.scene import assign
+from nervure.scene import assign, load
 
 H = 1e-3
 
@@ -114,6 +114,22 @@ def test_parameter_of_the_fluid_is_the_key_of_the_scene(name, fluid_only, run):
     )
     assert by_parameter == by_key
     assert by_parameter != unchanged
+
+
+def test_no_parameter_of_the_fluid_chooses_another_load(instantiate):
+    """Where the scene leaves it open, the load is that of the scene: a shorter step is taken, a heavier fluid refused."""
+    scene = load("vein-pitching-320x240", ["fluid.box.cells=[80, 60]"]).document()
+    for name, value in {"max_step": 0.3, "density": 3.0}.items():
+        unit = instantiate(scene)["fluid"]
+        reals = {v.name: v.references for v in unit.variables.values() if v.kind == "Real"}
+        (before,) = unit.fmu.getReal(reals[name])
+        unit.fmu.setReal(reals[name], [value * before])
+        if name == "density":
+            with pytest.raises(Exception, match="the rod weighs .* of the fluid it displaces"):
+                unit.start()
+        else:
+            unit.start()
+            assert np.isfinite(unit.fmu.getReal(reals["force_x"])).all()
 
 
 @pytest.mark.parametrize("axis", "xyz")

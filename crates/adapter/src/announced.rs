@@ -1,6 +1,7 @@
 //! What a unit announces to a body that carries it.
 
 use std::cell::Cell;
+use std::fmt::Display;
 use std::slice::from_mut;
 
 use fmi_export::{Model, Real, Variable};
@@ -19,6 +20,8 @@ pub struct Announced {
     step: f64,
     /// None if inputs or state have changed since it was found.
     found: Option<RootResponse>,
+    /// Why the last one could not be found.
+    fault: Option<String>,
     /// Whether the state was saved since then.
     is_saved: Cell<bool>,
 }
@@ -26,7 +29,7 @@ pub struct Announced {
 impl Announced {
     /// Return a response that is still to be found, for a step of so many seconds.
     pub fn new(step: f64) -> Self {
-        Self { step, found: None, is_saved: Cell::new(false) }
+        Self { step, found: None, fault: None, is_saved: Cell::new(false) }
     }
 
     /// Note that the state is saved: what comes next must be the same after a restore, which forgets the response.
@@ -39,13 +42,23 @@ impl Announced {
         self.is_saved.take()
     }
 
+    /// Return why there is no response, if the last search failed.
+    pub fn fault(&self) -> Option<String> {
+        self.fault.clone()
+    }
+
     /// Return the response, [`UNKNOWN`] where `find` fails, which gets the length of the step.
-    pub fn or_find<E>(&mut self, find: impl FnOnce(f64) -> Result<RootResponse, E>) -> &RootResponse {
+    pub fn or_find<E: Display>(&mut self, find: impl FnOnce(f64) -> Result<RootResponse, E>) -> &RootResponse {
         let step = self.step;
         if self.was_saved() {
             self.found = None;
         }
-        self.found.get_or_insert_with(|| find(step).unwrap_or(UNKNOWN))
+        let Self { found, fault, .. } = self;
+        found.get_or_insert_with(|| {
+            let sought = find(step);
+            *fault = sought.as_ref().err().map(ToString::to_string);
+            sought.unwrap_or(UNKNOWN)
+        })
     }
 }
 
@@ -68,7 +81,7 @@ pub trait Carried: Model {
     fn begin_step(&mut self, h: f64) -> Result<(), String> {
         match self.announced() {
             Some(Announced { step, .. }) if (h - *step).abs() > ROUNDING * h => {
-                Err(format!("the step of {h:.3e} s must be the announced `root.step`, {step:.3e} s"))
+                Err(format!("the step of {h:e} s must be the announced `root.step`, {step:e} s"))
             }
             _ => {
                 self.mark_stale();

@@ -29,6 +29,11 @@ pub fn scene_of(resources: &Resources) -> Result<Scene, String> {
     Scene::from_json(resources.text(RESOURCES[0])?).map_err(|e| e.to_string())
 }
 
+/// Return the step from `t` of `h` seconds in words.
+pub fn span(t: f64, h: f64) -> String {
+    format!("in the step from t = {t:?} s to {:?} s", t + h)
+}
+
 /// Return the description of a unit of a scene.
 pub fn description(scene: &Scene, model_name: String, text: impl Into<String>) -> Description {
     Description {

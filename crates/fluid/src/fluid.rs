@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::field::is_available;
 use crate::force::Exchange;
 use crate::grid::Grid;
+use crate::gust::Gust;
 use crate::limits::{Contour, StepLimits};
 use crate::outlet::Outlet;
 use crate::parameters::{Extent, Flexible, Parameters};
@@ -52,6 +53,7 @@ where
     pub(crate) outlet: Option<Outlet>,
     pub(crate) pressures: Cached<Pressures>,
     pub(crate) motion: Motion<D>,
+    gust: Option<Gust>,
     contours: Vec<Contour>,
     /// Contact of flexible bodies and the body that another unit moves with all that moves; absent without.
     pub(crate) flexible_contact: Option<FlexibleContact<D>>,
@@ -189,6 +191,7 @@ where
             advection_rate: velocity.map(|(u, spacing)| u.abs() / spacing).sum(),
             bodies: problem.without_force(&stations),
             histories,
+            gust: [0.0; D],
             flexible: Interfaces {
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
@@ -208,6 +211,7 @@ where
             probe_places: parameters.probes.clone(),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
             outlet,
+            gust: parameters.gust.clone(),
             motion: Motion {
                 between: stations.clone(),
                 target: stations.clone(),
@@ -275,6 +279,9 @@ where
     /// Start at a time (s) with the present displacements of the bodies that laws do not move.
     fn begin_at(&mut self, time: f64) {
         self.present.time = time;
+        if let Some(gust) = &self.gust {
+            self.present.gust = gust.target();
+        }
         self.place_at_present();
         self.solver.place_grids(&[], &self.present, &self.problem);
         self.present.bodies = self.problem.without_force(&self.present.flexible.stations);
@@ -444,6 +451,9 @@ where
             .iter_mut()
             .zip(&self.present.histories)
             .for_each(|(from, history)| *from = history.now);
+        if let Some(gust) = &self.gust {
+            gust.begin(t, h, &self.present.gust);
+        }
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         // A rod in the plane may take the pressure jump instead.
@@ -464,6 +474,9 @@ where
                 self.find_announced_contact();
             }
             return Err(error);
+        }
+        if let Some(gust) = &self.gust {
+            self.present.gust = gust.target();
         }
         self.pressures.invalidate();
         self.update_owed_impulses(h);

@@ -1,6 +1,7 @@
 //! The present time: the bodies as the fluid last saw them. All of it is in double precision.
 
 use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
 
 use crate::bodies::DisplacementHistory;
 use crate::force::{BodyForce, Exchange};
@@ -24,6 +25,9 @@ where
     pub bodies: Vec<BodyForce<D>>,
     /// Displacements of the bodies that laws do not move.
     pub histories: Vec<DisplacementHistory<D>>,
+    /// Velocity that the master adds to the stream, m/s; 0 without a gust.
+    #[serde(with = "BigArray")]
+    pub gust: [f64; D],
     /// The flexible bodies.
     pub flexible: Interfaces<D>,
 }
@@ -70,7 +74,7 @@ where
         let (stations, loads, exchange, owed, jump, shear) = (vec![], vec![], vec![], vec![], vec![], vec![]);
         let flexible = Interfaces { stations, loads, exchange, owed, contact, jump, shear };
         let advection_rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum();
-        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], histories: vec![], flexible }
+        Self { time: 0.0, step: 0.0, advection_rate, bodies: vec![], histories: vec![], gust: [0.0; D], flexible }
     }
 
     /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
@@ -83,6 +87,7 @@ where
         (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
         self.bodies.copy_from_slice(&other.bodies);
         self.histories.copy_from_slice(&other.histories);
+        self.gust = other.gust;
         self.flexible.copy_from(&other.flexible);
     }
 
@@ -96,6 +101,7 @@ where
                 self.bodies.len() == own.bodies.len() && self.histories.len() == own.histories.len(),
             ),
             ("the place of a body", self.histories.iter().all(DisplacementHistory::is_finite)),
+            ("the gust", self.gust.iter().all(|component| component.is_finite())),
             ("the list of stations", self.flexible.have_shape_of(&own.flexible)),
         ];
         parts.into_iter().find(|(_, fits)| !fits).map(|(part, _)| part)

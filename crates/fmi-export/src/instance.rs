@@ -232,11 +232,15 @@ impl<M: Model> Instance<M> {
         }
         for run in self.table.runs(references) {
             let run = run?;
-            self.table.read::<T, _>(run.variable, &mut self.model, self.time.time, |values| {
+            let read = self.table.read::<T, _>(run.variable, &mut self.model, self.time.time, |values| {
                 let values = &values[run.elements.clone()];
                 self.table.variables[run.variable].check_finite(values, run.elements.start)?;
                 sink(run.position, values);
                 Ok(())
+            });
+            read.map_err(|refused: String| match self.model.fault() {
+                Some(fault) => format!("{refused}: {fault}"),
+                None => refused,
             })?;
         }
         Ok(())

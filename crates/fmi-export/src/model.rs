@@ -110,6 +110,11 @@ pub trait Model: Sized + 'static {
     /// invalid state. After an error the export accepts only another state or `fmi2Reset`.
     fn restore(&mut self, state: &Self::State) -> Result<(), String>;
 
+    /// Return why outputs are not finite, where the model knows; the message about them ends with it.
+    fn fault(&self) -> Option<String> {
+        None
+    }
+
     /// Return shape, slow axis first, and values of a field of up to three axes such as a vorticity.
     ///
     /// A host that knows the library reads the field by `fmu_field`, see [`export_fmu!`](crate::export_fmu).

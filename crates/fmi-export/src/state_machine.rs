@@ -92,7 +92,8 @@ pub(crate) fn check(function: Function, mode: Mode) -> Result<(), String> {
     if row(function).as_bytes()[2 * mode as usize] == b'x' {
         return Ok(());
     }
-    Err(format!("the state \"{mode}\" does not allow this call"))
+    let remedy = if matches!(mode, Mode::Error | Mode::Panicked) { ": restore a state, or reset" } else { "" };
+    Err(format!("the state \"{mode}\" does not allow this call{remedy}"))
 }
 
 #[cfg(test)]
@@ -136,6 +137,8 @@ mod tests {
     #[test]
     fn a_refusal_names_the_state() {
         let message = check(Function::fmi2DoStep, Mode::Initialization).unwrap_err();
-        assert!(message.contains("initialization mode"), "{message}");
+        assert!(message.contains("initialization mode") && !message.contains("reset"), "{message}");
+        let message = check(Function::fmi2DoStep, Mode::Error).unwrap_err();
+        assert!(message.ends_with("restore a state, or reset"), "{message}");
     }
 }

@@ -118,6 +118,9 @@ impl From<Table> for Points {
     }
 }
 
+/// Share of a table's span by which a time may miss its ends by rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Return whether `times` increase.
 fn increase(times: &[f64]) -> bool {
     times.windows(2).all(|pair| pair[0] < pair[1])
@@ -137,10 +140,12 @@ impl Table {
             let inside = first + (t - first).rem_euclid(last - first);
             return spline::value_and_rate(times, values, &self.slopes, inside);
         }
-        if t < first || t > last {
+        // The times of steps are sums: one that misses an end by rounding is that end, where the rate is still the table's.
+        let held = t.clamp(first, last);
+        if (t - held).abs() > ROUNDING * (last - first) {
             return (if t < first { values[0] } else { values[times.len() - 1] }, 0.0);
         }
-        spline::value_and_rate(times, values, &self.slopes, t)
+        spline::value_and_rate(times, values, &self.slopes, held)
     }
 
     /// Return the least and the largest of the values.
@@ -460,6 +465,15 @@ mod tests {
             assert!((value - 0.2 * t).abs() < 1e-12 && (rate - 0.2).abs() < 1e-13, "t = {t}: {value}, {rate}");
         }
         assert_eq!([law.value_and_rate(-11.0), law.value_and_rate(101.0)], [(-2.0, 0.0), (20.0, 0.0)]);
+    }
+
+    #[test]
+    fn a_table_ends_where_a_step_misses_its_end_by_rounding() {
+        let law = TimeLaw::Table(Table::new(vec![0.0, 2.4], vec![0.0, 1.2]));
+        for t in [2.4_f64.next_up(), (0.0_f64).next_down()] {
+            assert!((law.value_and_rate(t).1 - 0.5).abs() < 1e-15, "t = {t:e}");
+        }
+        assert_eq!([law.value_and_rate(2.4 + 1e-6), law.value_and_rate(-1e-6)], [(1.2, 0.0), (0.0, 0.0)]);
     }
 
     #[test]
