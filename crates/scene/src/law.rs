@@ -140,12 +140,13 @@ impl Table {
             let inside = first + (t - first).rem_euclid(last - first);
             return spline::value_and_rate(times, values, &self.slopes, inside);
         }
-        // The times of steps are sums: one that misses an end by rounding is that end, where the rate is still the table's.
-        let held = t.clamp(first, last);
-        if (t - held).abs() > ROUNDING * (last - first) {
-            return (if t < first { values[0] } else { values[times.len() - 1] }, 0.0);
+        if t < first || t > last {
+            let end = if t < first { 0 } else { times.len() - 1 };
+            // The times of steps are sums: one that misses an end by rounding still has the rate there.
+            let is_end = (t - times[end]).abs() < ROUNDING * (last - first);
+            return (values[end], if is_end { self.slopes[end] } else { 0.0 });
         }
-        spline::value_and_rate(times, values, &self.slopes, held)
+        spline::value_and_rate(times, values, &self.slopes, t)
     }
 
     /// Return the least and the largest of the values.
