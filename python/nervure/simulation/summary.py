@@ -379,8 +379,8 @@ def summarize(
         error=status.error,
         quantities=known,
         dimensionless=facts.numbers,
-        bodies=bodies.evaluate(facts, series, window, width) if window else {},
-        coefficients=_coefficients(facts, published, series, window, width) if window else None,
+        bodies=bodies.evaluate(facts, series, window, width, rounding) if window else {},
+        coefficients=_coefficients(facts, published, series, window, width, rounding) if window else None,
         flapping=flapping.evaluate(facts, facts.scales.get(on_fluid), alone, window) if window and on_fluid else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
@@ -475,10 +475,15 @@ def _not_final(
 
 
 def _coefficients(
-    facts: Facts, reference: Reference | None, series: Series, window: statistics.Window, width: float
+    facts: Facts,
+    reference: Reference | None,
+    series: Series,
+    window: statistics.Window,
+    width: float,
+    rounding: float,
 ) -> Coefficients | None:
     scale = coefficients.scale(facts)
-    values = coefficients.evaluate(scale, series, window, width) if scale else {}
+    values = coefficients.evaluate(scale, series, window, width, rounding) if scale else {}
     source = reference.source if reference else None
     return Coefficients(values, coefficients.published(reference), source) if values else None
 
