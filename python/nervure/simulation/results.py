@@ -171,7 +171,8 @@ def _earlier(folder: Path) -> tuple[Document, dict[str, str]] | None:
 
 def scene_difference(there: Document, here: Document) -> tuple[str, str, str] | None:
     """Return the dotted key and both values of the first difference of two scenes; None where results are the same."""
-    return _difference(*({key: part for key, part in own.items() if key not in REMARKS} for own in (there, here)))
+    old, new = ({key: part for key, part in own.items() if key not in REMARKS} for own in (there, here))
+    return _difference(old, new)
 
 
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:
