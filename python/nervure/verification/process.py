@@ -126,6 +126,7 @@ class Verification:
 
     def run(self) -> Outcome:
         """Make the runs, the cheap ones first, and return what they show."""
+        sweep.check_drives([document(self.scene)], "a verification")
         todo = self._first_round()
         for _ in range(ROUNDS):
             self._make(todo)
