@@ -20,8 +20,6 @@ from typing import Any
 
 import numpy as np
 
-import nervure
-
 PLAIN = (type(None), type(...), bool, int, float, complex, str, bytes)
 IMMUTABLE = (*PLAIN, tuple, frozenset, CodeType)
 """Types whose values may be one object or several that are equal, by chance."""
@@ -217,7 +215,7 @@ def _is_owned(module: str, file: str | None) -> bool:
 
 @cache
 def _folders() -> tuple[str, ...]:
-    return (str(Path(nervure.__file__).parent), *(sysconfig.get_paths()[name] for name in INSTALLED))
+    return (str(Path(__file__).parents[1]), *(sysconfig.get_paths()[name] for name in INSTALLED))
 
 
 def _name(module: str | None, name: str, file: str | None) -> Iterator[bytes]:
