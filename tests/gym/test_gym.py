@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -328,8 +329,18 @@ def test_environments_on_dask_have_the_bits_that_each_has_alone_over_several_epi
             assert found[-1].keys() == expected[-1].keys()
             assert np.array_equal(found[-1]["time"], expected[-1]["time"])
         assert len({found[0].tobytes() for found, _ in pairs}) > 3 and sum(found[3].any() for found, _ in pairs[1:]) > 1
-        with pytest.raises(InputError, match="the action is .* but must be 1 finite number"):
-            several.step(np.array([[0.1], [np.nan]]))
+        seen = [several.reset(seed=5)[0], several.step(np.array([[0.1], [0.2]]))[0]]
+        several.reset(seed=5)
+        for wrong in ([[0.1], [np.nan]], np.zeros((1, 1)), np.zeros((3, 1)), np.zeros((2, 2)), [[0.1], []], 0.1, None):
+            with pytest.raises(
+                InputError, match=r"(?s)actions is .* must be an array of finite numbers of shape \(2, 1\)"
+            ):
+                several.step(wrong)
+        assert np.array_equal(several.step(np.array([[0.1], [0.2]]))[0], seen[1]), "none had made a step"
+        seeds: list[Any] = [[5], [5, 6, 7], "56", 0.5]
+        for seed in seeds:
+            with pytest.raises(InputError, match="seed is .*, but must be a number or a list of 2"):
+                several.reset(seed=seed)
     finally:
         several.close()
         alone.close()
