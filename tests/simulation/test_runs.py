@@ -138,6 +138,18 @@ def test_a_series_is_sampled_from_the_same_run(small_fsi3, tmp_path):
         assert (part[name] == whole[name][::10]).all(), name
 
 
+@pytest.mark.parametrize("name", ["series_every", "fields_every"])
+@pytest.mark.parametrize(
+    ("interval", "made"), [(2.5e-3, "0.002"), (4e-4, "0.001"), (0.0, None), (1e-3, None), (5e-3, None), (1.0, None)]
+)
+def test_an_interval_of_no_whole_steps_is_told(name, interval, made, fluid_only, tmp_path, capsys):
+    """Of steps of 1 ms in a run of 20 ms."""
+    run = nervure.run(validate(fluid_only), tmp_path, **{name: interval})
+    told = [text for text in run.summary.warnings or () if name in text]
+    said = f"`{name}` is {interval:g} s, but a multiple of the 0.001 s of a step is taken: {made} s"
+    assert told == ([said] if made else []) and (said in capsys.readouterr().err) == bool(made)
+
+
 def test_guards_watch_every_step_of_a_sampled_run(small_fsi3, tmp_path):
     small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
     path = tmp_path / "scene.json"
