@@ -237,7 +237,7 @@ def run(
     Raise `InputError` where an argument cannot be used, `RunError` where the run failed, `KeyboardInterrupt` where it
     was interrupted, and what `on_step` raises; in the last three cases the results so far are written.
     """
-    from nervure.output.console import announce
+    from nervure.output.console import announce, warn
 
     scene = _scene(scene, overrides)
     if not (isinstance(fmi, int) and fmi in (2, 3)):
@@ -258,6 +258,11 @@ def run(
         session = Session.packed(
             scene, folder, foreign, fmi=fmi, force=force, series_every=options["series_every"], drive=drive
         )
+        for name in ("fields_every", "series_every"):
+            if text := session.grid.rounded(name, options[name]):
+                session.warnings.append(text)
+                if not quiet:
+                    warn(text)
         return _run(session, options, quiet, live, keep, on_step)
 
 

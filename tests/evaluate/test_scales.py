@@ -203,6 +203,15 @@ def test_forces_along_the_own_axes_follow_a_body_that_turns():
     assert found == pytest.approx((4 / np.pi, 0.0, 0.0), abs=1e-6), found
 
 
+@pytest.mark.parametrize(("lift", "st"), [(1e-5, 1.0), (1e-12, None)])
+def test_a_lift_of_rounding_has_no_strouhal_number(lift, st):
+    """Beside a drag of 1 N."""
+    swing = np.sin(2 * np.pi * TIME)
+    own = facts({"shape": {"cuboid": {"lengths": [1.0, 1.0, 3.0]}}})
+    found = bodies.evaluate(own, columns("body_1", [swing, lift * swing, 0 * TIME]), WINDOW, 0.0)["body_1"]
+    assert found.st == (st and pytest.approx(st)), found
+
+
 @pytest.mark.parametrize("axes", ["x", "y", "z", "xz", "xyz"])
 def test_an_oscillation_along_any_line_has_its_keulegan_carpenter_number(axes):
     """Of an amplitude of 0.1 m and a diameter of 1 m, 0.2 pi."""

@@ -1,8 +1,14 @@
 """Scenes as environments of gymnasium."""
 
+import functools
 import math
+import os
 import runpy
+import subprocess
+import sys
+import threading
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +19,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 from nervure import gym  # noqa: E402
 from nervure.errors import InputError  # noqa: E402
+from nervure.gym import identity  # noqa: E402
 from nervure.resources import ROOT  # noqa: E402
 from nervure.scene import load  # noqa: E402
 from nervure.simulation.session import Session  # noqa: E402
@@ -109,11 +116,10 @@ def test_a_cache_keeps_the_starts_and_a_damaged_one_is_made_again(tmp_path, monk
 
 
 def test_a_controller_leads_to_the_starts_and_another_one_makes_them_anew(tmp_path):
-    def lead(_seen, time):
-        return np.array([0.3 if time > 0.05 else 0.1])
+    def make(target):
+        return lambda _seen, time: np.array([target if time > 0.05 else 0.1])
 
-    def follow(_seen, _time):
-        return np.array([0.1])
+    lead, follow = make(0.3), make(0.1)
 
     with plate(starts=(0.0, 0.2), before=lead, cache=tmp_path) as first, plate() as own:
         own.reset(options={"start": 0})
@@ -126,6 +132,55 @@ def test_a_controller_leads_to_the_starts_and_another_one_makes_them_anew(tmp_pa
         with plate(starts=(0.0, 0.2), before=before, cache=tmp_path) as again:
             assert np.array_equal(again.reset(options={"start": 1})[0], found) == same
             assert np.array_equal(again.step(np.array([0.0]))[0], after) == same
+
+
+CONTROLLERS = {
+    "closure": "def make(k): return lambda o, t: k * o\nf = make({})",
+    "default": "def f(o, t, k={}): return k * o",
+    "keyword default": "def f(o, t, *, k={}): return k * o",
+    "number of the module": "k = {}\ndef f(o, t): return k * o",
+    "array of the module": "k = np.array([{}])\ndef f(o, t): return (lambda: k * o)()",
+    "called function": "def g(o): return {} if o else f(o, 0)\ndef f(o, t): return g(o)",
+    "attribute": "def f(o, t): return np.sin(o) if {} < 0.2 else np.cos(o)",
+    "object": "class Net:\n def __init__(self, w): self.w = [w]\n def __call__(self, o, t): return 0\nf = Net({})",
+    "bound method": "class Net:\n def __init__(self, w): self.w = w\n def go(self, o, t): return 0\nf = Net({}).go",
+    "method": "class Net:\n def __call__(self, o, t): return self.gain(o)\n def gain(self, o): return {}\nf = Net()",
+    "value of a class": "class Net:\n gain = {}\n def __call__(self, o, t): return self.gain\nf = Net()",
+    "slot": "class Net:\n __slots__ = 'w'\n def __call__(self, o, t): return 0\nf = Net()\nf.w = {}",
+    "partial": "def g(k, o, t): return k * o\nf = functools.partial(g, {})",
+    "cached function": "@functools.cache\ndef g(o): return {} * o\ndef f(o, t): return g(o)",
+    "generator": "rng = np.random.default_rng(int(100 * {}))\ndef f(o, t): return rng.random()",
+}
+"""Controllers `f` with a place for a number that decides what they return."""
+
+
+@pytest.mark.parametrize("kind", CONTROLLERS)
+def test_a_controller_is_told_by_all_that_it_computes_with(kind):
+    def made(number):
+        names = {"__name__": "controllers", "np": np, "functools": functools}
+        exec(compile(CONTROLLERS[kind].format(number), "controllers.py", "exec"), names)
+        return identity.digest(names["f"])
+
+    assert made(0.1) == made(0.1) != made(0.3)
+
+
+def test_a_name_in_numpy_tells_a_controller():
+    assert identity.digest(lambda o, _: np.sin(o)) != identity.digest(lambda o, _: np.cos(o))
+
+
+def test_a_controller_has_the_same_digest_in_another_process():
+    """Sets have another order there."""
+    code = "from nervure.gym import identity, tasks; k = {'a', 'b', 'c'}; f = lambda o, t: (k, tasks.take_off(o, t))"
+    asked = [sys.executable, "-c", f"{code}; print(identity.digest(f))"]
+    said = {subprocess.check_output(asked, env={**os.environ, "PYTHONHASHSEED": seed}) for seed in "123"}
+    assert len(said) == 1
+
+
+def test_a_cache_is_refused_for_a_controller_that_cannot_be_told_from_others(tmp_path):
+    lock = threading.Lock()
+    with pytest.raises(InputError, match="cannot tell `before` from another controller: it holds a lock, which"):
+        plate(starts=(0.1,), before=lambda _seen, _time: [float(lock.locked())], cache=tmp_path)
+    plate(starts=(0.1,), before=lambda _seen, _time: [float(lock.locked())]).close()
 
 
 def test_a_flyer_hovers_by_its_classical_controller_and_falls_without_one():
@@ -274,8 +329,18 @@ def test_environments_on_dask_have_the_bits_that_each_has_alone_over_several_epi
             assert found[-1].keys() == expected[-1].keys()
             assert np.array_equal(found[-1]["time"], expected[-1]["time"])
         assert len({found[0].tobytes() for found, _ in pairs}) > 3 and sum(found[3].any() for found, _ in pairs[1:]) > 1
-        with pytest.raises(InputError, match="the action is .* but must be 1 finite number"):
-            several.step(np.array([[0.1], [np.nan]]))
+        seen = [several.reset(seed=5)[0], several.step(np.array([[0.1], [0.2]]))[0]]
+        several.reset(seed=5)
+        for wrong in ([[0.1], [np.nan]], np.zeros((1, 1)), np.zeros((3, 1)), np.zeros((2, 2)), [[0.1], []], 0.1, None):
+            with pytest.raises(
+                InputError, match=r"(?s)actions is .* must be an array of finite numbers of shape \(2, 1\)"
+            ):
+                several.step(wrong)
+        assert np.array_equal(several.step(np.array([[0.1], [0.2]]))[0], seen[1]), "none had made a step"
+        seeds: list[Any] = [[5], [5, 6, 7], "56", 0.5]
+        for seed in seeds:
+            with pytest.raises(InputError, match="seed is .*, but must be a number or a list of 2"):
+                several.reset(seed=seed)
     finally:
         several.close()
         alone.close()

@@ -80,6 +80,8 @@ def test_inspect_shows_a_unit_by_arrays_and_a_run_as_it_printed_it(result):
     shown = nervure("inspect", folder / "falling-rod-rod.fmu").stdout
     for part in ("falling-rod.rod", "canGetAndSetFMUstate True", "force_x[1 … 17]", "N/m", "x[1 … 17]"):
         assert part in shown, shown
+    (maker,) = (line.split() for line in shown.splitlines() if line.startswith(" made by"))
+    assert maker[2] == "nervure-fmi-export" and len(maker) == 4, shown
     shown = nervure("inspect", folder).stdout
     for part in ("tip_uy amplitude", "100 steps to t = 0.01 s", "revision"):
         assert part in shown, shown

@@ -289,6 +289,32 @@ def test_a_finished_run_goes_on_to_a_later_end_as_if_it_had_been_the_first(rod_o
         assert np.array_equal(longer.series[column], values), column
 
 
+def test_an_edited_scene_beside_a_checkpoint_is_refused_and_that_of_a_replaced_run_is_not(rod_only, tmp_path):
+    scene, path = validate(rod_only), tmp_path / "scene.json"
+    api.run(scene, tmp_path, quiet=True, on_step=lambda time, _: time > 0.005)
+    own = path.read_text()
+    for key, value, said in (
+        ("rod.gravity", [0.0, -1.0], r"rod.gravity.1 is -1.0 in .*scene.json, but -2.0 in the scene of the run"),
+        ("time.end", 0.02, "time.end is 0.02 in .*, but 0.01 in .*: `--end-time` changes the end"),
+    ):
+        path.write_text(edited := json.dumps(scene.copy({key: value}).document()))
+        with pytest.raises(InputError, match=said):
+            api.resume(tmp_path, quiet=True)
+        assert path.read_text() == edited and (tmp_path / CHECKPOINT).exists()
+    path.write_text("{")
+    with pytest.raises(InputError, match="scene.json cannot be read, and the run would replace it"):
+        api.resume(tmp_path, quiet=True)
+    path.write_text(own)
+    assert api.resume(tmp_path, quiet=True).summary.completed
+
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(scene.copy({"rod.gravity": [0.0, -1.0]}).document()))
+    options = "--output", tmp_path, "--force", "--checkpoint-every", "0"
+    assert stopped(signal.SIGKILL, 23, "run", other, *options).returncode == -signal.SIGKILL
+    assert path.read_text() == own
+    assert api.resume(tmp_path, quiet=True).scene.rod.gravity == [0.0, -1.0]
+
+
 def test_the_guards_go_on_with_their_history(small_fsi3, tmp_path):
     def step(session):
         session.step()

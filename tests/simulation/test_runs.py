@@ -48,6 +48,39 @@ def test_a_rod_alone_falls_freely_until_it_feels_its_clamp(rod_only, tmp_path):
     assert files(tmp_path / "results") == {"falling-rod-rod.fmu", "tip.png", *TABLES}
 
 
+@pytest.mark.parametrize("push", [0.0, 1e-3])
+def test_work_and_motion_of_rounding_are_not_judged(push, tmp_path, capsys):
+    """A neutral rod in still fluid, and one in a weak stream."""
+    scene = {
+        "name": "neutral",
+        "time": {"end": 0.2, "communication_step": 0.005},
+        "fluid": {
+            "density": 1.0,
+            "kinematic_viscosity": 0.01,
+            "box": {"x": [-2, 2], "y": [-1, 1], "cells": [64, 32]},
+            "mask": {"log_linear": {"c_eta": 1e-4}},
+            "time_stepping": {"max_step": 0.005, "max_cfl": 0.4},
+            "initial_velocity": [0.0, push],
+            "mean_flow": {"y": {"constant": push}},
+        },
+        "beam": {
+            "root": {"at": {"position": [-0.5, 0.0], "direction": [1, 0]}},
+            "length": 1.0,
+            "thickness": 0.2,
+            "segments": 12,
+        },
+        "rod": {
+            "material": {"plane_strain": {"density": 1.0, "youngs_modulus": 1000.0, "poisson_ratio": 0.3}},
+            "gravity": [0, -3.0],
+            "root": "clamped",
+        },
+    }
+    summary = nervure.run(validate(scene), tmp_path).summary
+    is_judged = "interface: work on the rod" in capsys.readouterr().out
+    states = {summary.quantities[name].state for name in ("tip_ux", "tip_uy")}
+    assert is_judged == (summary.interface.imbalance is not None) == ("rounding" not in states) == (push > 0), summary
+
+
 @pytest.mark.pictures
 def test_a_symmetric_flow_has_drag_and_no_lift(fluid_only, tmp_path):
     series, summary = run(tmp_path, fluid_only)
@@ -103,6 +136,18 @@ def test_a_series_is_sampled_from_the_same_run(small_fsi3, tmp_path):
     assert summary["steps"] == 50 and part.size == 6
     for name in part.dtype.names:
         assert (part[name] == whole[name][::10]).all(), name
+
+
+@pytest.mark.parametrize("name", ["series_every", "fields_every"])
+@pytest.mark.parametrize(
+    ("interval", "made"), [(2.5e-3, "0.002"), (4e-4, "0.001"), (0.0, None), (1e-3, None), (5e-3, None), (1.0, None)]
+)
+def test_an_interval_of_no_whole_steps_is_told(name, interval, made, fluid_only, tmp_path, capsys):
+    """Of steps of 1 ms in a run of 20 ms."""
+    run = nervure.run(validate(fluid_only), tmp_path, **{name: interval})
+    told = [text for text in run.summary.warnings or () if name in text]
+    said = f"`{name}` is {interval:g} s, but a multiple of the 0.001 s of a step is taken: {made} s"
+    assert told == ([said] if made else []) and (said in capsys.readouterr().err) == bool(made)
 
 
 def test_guards_watch_every_step_of_a_sampled_run(small_fsi3, tmp_path):

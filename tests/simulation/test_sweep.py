@@ -176,6 +176,21 @@ def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
     assert done.returncode == 2 and "no scheduler answers at tcp://127.0.0.1:9" in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["sweep", "--vary", 'rod.root_motion=[{"laws": {"y": {"constant": 0.0}}}, "master"]', "--workers", "1"],
+        ["verify", "--set", 'rod.root_motion="master"'],
+    ],
+    ids=["sweep", "verify"],
+)
+def test_a_scene_that_needs_a_drive_is_refused_before_any_run(command, scene, tmp_path):
+    done = nervure_here(command[0], scene, *command[1:], "--output", tmp_path / "out")
+    assert done.returncode == 2 and not (tmp_path / "out").exists(), done.stderr
+    assert "the scene leaves root.x, root.y, root.angle to the master (root_motion), but runs of a" in done.stderr
+    assert "give laws of time" in done.stderr and "--drive" not in done.stderr, done.stderr
+
+
 def running(process: subprocess.Popen) -> list[psutil.Process]:
     """Workers of a sweep in which the library of a rod is loaded; the sweep itself has it too, and until a new child
     begins its own program it is a copy of the sweep."""

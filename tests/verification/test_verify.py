@@ -12,13 +12,14 @@ import pytest
 
 import nervure
 from nervure import InputError
+from nervure.errors import SceneError
 from nervure.evaluate.statistics import Window
 from nervure.scene import validate
 from nervure.simulation import sweep, verified
 from nervure.simulation.session import Session
 from nervure.simulation.verified import Quantity
 from nervure.verification import process
-from nervure.verification.plan import Plan, scaled
+from nervure.verification.plan import VARY, Plan, scaled
 from nervure.verification.process import chosen
 from studies import elastica
 from tests.conftest import FLUID_ONLY, nervure as tool
@@ -56,6 +57,30 @@ def test_the_plan_of_a_flag_varies_all_that_it_has_on_coarse_grids():
     larger = settings["cells=2.83,box=0.667"].scene.fluid
     assert larger.box.x == pytest.approx((-2.25, 5.25)) and larger.sponge.x == pytest.approx((4.45, 5.25))
     assert not plan.left_out
+
+
+def test_a_tight_fine_box_is_verified_on_finer_grids_alone():
+    """Coarser cells would be too large for it."""
+    plan = Plan(nervure.load("plate-rolling-96x80x80"))
+    names = [one.name for one in plan.first_settings()]
+    assert names == ["scene", "c_eta=2", "box=0.667", "ratio=0.5", "fine_box=0.8", "cells=0.707"]
+    assert [*plan.left_out] == ["cells x 2", "cells x 1.41"], plan.left_out
+
+
+@pytest.mark.parametrize("impossible", [["segments"], ["segments", "step"]])
+def test_a_parameter_that_cannot_vary_is_left_out_and_the_next_one_is_verified(impossible, bar, tmp_path, monkeypatch):
+    def refuse(scene, factor):
+        raise SceneError("the scene needs it as it is")
+
+    for name in impossible:
+        monkeypatch.setitem(VARY, name, refuse)
+    if len(impossible) == 2:
+        with pytest.raises(InputError, match="no run beside falling-rod is possible: .*; `--parameters` chooses"):
+            quietly(bar, tmp_path)
+        return
+    found = quietly(bar, tmp_path, within=0.05)
+    assert "not varied: segments: no two of its runs are possible" in found.problems, found.problems
+    assert {*found.verified.quantities["tip_uy_mean"].shares} == {"step"}
 
 
 def test_walls_and_cylinders_through_the_box_keep_their_box():

@@ -47,6 +47,17 @@ MASTER = re.compile(r"root\.|gust\.|(body\[\d+\]|fine_box)\.motion\.")
 NAME = "drive"  # Of the function in a file
 
 
+class MissingDrive(InputError):
+    """A scene leaves something to the master, and there is no drive: `left` says what."""
+
+    def __init__(self, left: str):
+        super().__init__(
+            f"{left}, but nothing drives it: give laws of time, or a function as `drive` of `nervure.run`, or its file "
+            "as `--drive` (docs/guide/drive.md)"
+        )
+        self.left = left
+
+
 class Drive(Protocol):
     """A function of time that drives a run."""
 
@@ -167,7 +178,8 @@ class Driver:
     """Sets the driven inputs of connected `units` by a `drive`, those that `left` names for a unit. With several rods,
     their roots have the name of the rod in front, as `upper.root.y`.
 
-    Raise `InputError` where the scene leaves something to the master and there is no drive, or the reverse.
+    Raise `MissingDrive` where the scene leaves something to the master and there is no drive, and `InputError` in the
+    reverse case.
     """
 
     def __init__(
@@ -191,11 +203,7 @@ class Driver:
                     self.rates[shown[name]] = rate and shown[rate]
                     keys.add(key)
         if self.places and drive is None:
-            raise InputError(
-                f"the scene leaves {', '.join(self.rates)} to the master ({', '.join(sorted(keys))}), but nothing "
-                "drives it: give laws of time, or a function as `drive` of `nervure.run`, or its file as `--drive` "
-                "(docs/guide/drive.md)"
-            )
+            raise MissingDrive(f"the scene leaves {', '.join(self.rates)} to the master ({', '.join(sorted(keys))})")
         if drive not in (None, stand_still) and not self.places:
             allowed = " or ".join(dict.fromkeys(key for key, *_ in DRIVEN))
             raise InputError(

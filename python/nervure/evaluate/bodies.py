@@ -71,16 +71,18 @@ class BodyCoefficients:
     own_axes: tuple[float, ...] | None = None  # Means along the own, moving axes of a rigid body; None for others
     ct: float
     cp: float | None  # Of the power of the drive; None without a drive
-    st: float | None  # From the frequency of the lift; None without an oscillation
+    st: float | None  # From the frequency of the lift; None without an oscillation beyond rounding
     st_tip: float | None  # f A / U, with the width A of the path of the tip along its principal direction
     kc: float | None = None  # Keulegan–Carpenter number of a body that oscillates
     cycles: dict[str, CycleMean] | None = None  # By coefficient; None without a whole cycle
     morison: Morison | None = None
 
 
-def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict[str, BodyCoefficients]:
+def evaluate(
+    facts: Facts, series: Series, window: Window, width: float, rounding: float = statistics.ROUNDING["double"]
+) -> dict[str, BodyCoefficients]:
     """Return the coefficients by body, with drag and lift filtered over `width` (s); none where nothing drives the
-    flow."""
+    flow. `rounding` is the part of the largest force on a body that rounding may move."""
     fluid, numbers = facts.scene.fluid, facts.numbers
     if fluid is None or numbers is None or not numbers.velocity:
         return {}
@@ -100,6 +102,7 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
         curves = dict(zip(("cd", "cl", "cs"), directions @ force / pressure, strict=False))
         if len(force) == 2:
             del curves["cs"]
+        smallest = statistics.smallest_amplitude(time, np.array([*curves.values()]), rounding)
         drag, lift, *side = (statistics.of_force(time, curve, window, width) for curve in curves.values())
         power = power_in(name, series) if name in motions else own.get("root_power") if own else None
         if facts.stream is None and f"{name}_x" in series and name in motions:
@@ -127,7 +130,9 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
             own_axes=_along_own_axes(name, fluid, series, window, force / pressure),
             ct=-flapping.average(time, curves["cd"], window),
             cp=flapping.average(time, curves["cp"], window) if power is not None else None,
-            st=lift.frequency_hz * scales.length / velocity if lift.frequency_hz and window.periods else None,
+            st=lift.frequency_hz * scales.length / velocity
+            if lift.frequency_hz and window.periods and lift.amplitude > smallest
+            else None,
             st_tip=_tip(own, window, velocity) if own else None,
             kc=oscillation.largest_speed / (oscillation.frequency * scales.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,

@@ -59,11 +59,19 @@ def curves(scale: Scale, series: Series, width: float = 0.0) -> dict[str, np.nda
     return {name: statistics.box_filter(time, values, width) for name, values in found.items()}
 
 
-def evaluate(scale: Scale, series: Series, window: statistics.Window, width: float) -> dict[str, float]:
+def evaluate(
+    scale: Scale,
+    series: Series,
+    window: statistics.Window,
+    width: float,
+    rounding: float = statistics.ROUNDING["double"],
+) -> dict[str, float]:
     """Return the coefficients of a run over the last five periods of `window`: extremes of the drag show a growth that
-    the window still allows the lift."""
+    the window still allows the lift. `rounding` is the part of the largest force that rounding may move."""
     window = window.last(statistics.MIN_PERIODS)
     time = series["time"]
+    forces = np.array([series["drag"], series["lift"]]) / scale.force
+    smallest = statistics.smallest_amplitude(time, forces, rounding)
     result = {}
     for name, values in curves(scale, series, width).items():
         found = statistics.evaluate(time, values, window)
@@ -72,7 +80,7 @@ def evaluate(scale: Scale, series: Series, window: statistics.Window, width: flo
             result |= {f"{name}_max": found.mean + found.amplitude, f"{name}_min": found.mean - found.amplitude}
         if window.periods and name == "cl":
             result["cl_peak_to_peak"] = 2 * found.amplitude
-            if found.frequency_hz is not None:
+            if found.frequency_hz is not None and found.amplitude > smallest:
                 result["st"] = found.frequency_hz / scale.frequency
     return {name: result[name] for name in NAMES if name in result}
 

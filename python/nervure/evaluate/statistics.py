@@ -109,6 +109,12 @@ def last_third(time: np.ndarray) -> Window:
     return Window(float(time[0] + (time[-1] - time[0]) * 2 / 3), float(time[-1]), 0)
 
 
+def smallest_amplitude(time: np.ndarray, forces: np.ndarray, rounding: float) -> float:
+    """Return the amplitude up to which one of `forces`, `[components, samples]`, is rounding: of the largest one at the
+    end the part `rounding`."""
+    return rounding * float(np.abs(forces[:, last_third(time).of(time)]).max())
+
+
 def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> Window:
     """Return the window of the main signal: its last five whole periods, and those before while they are as large.
 

@@ -17,6 +17,7 @@ from nervure import arguments
 from nervure.coupling import CouplingError, stand_still
 from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
+from nervure.gym import identity
 from nervure.scene import Scene, load, with_files
 from nervure.simulation.session import Session
 
@@ -153,15 +154,6 @@ def _read(session: Session, servos: Servos, path: Path) -> bool:
     return True
 
 
-def _source(function: Callable[..., Any]) -> list[Any]:
-    """Return what shows a change of a function: its name, its code, and the numbers that it takes from its module."""
-    code = getattr(function, "__code__", None)
-    if code is None:
-        return [function]
-    around = {name: value for name in code.co_names if isinstance(value := function.__globals__.get(name), int | float)}
-    return [function.__qualname__, code.co_code.hex(), code.co_consts, around]
-
-
 def _checked_actions(actions: Any) -> tuple[Action, ...]:
     """Return actions whose numbers are finite; raise `InputError` where there are others."""
     if not isinstance(actions, Iterable) or isinstance(actions, str):
@@ -184,7 +176,8 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
     the times `starts` (s), by chance or by the option `start`, its number; until then the inputs stand still, or follow
     the controller `before`, in whole steps. It ends where `ends(values)` is true, or with the reward `failed` where a
     unit fails, and is truncated by the step that reaches the end of the scene, `time.end`. The folder `cache` keeps the
-    states of the starts for other processes.
+    states of the starts for other processes, by all that `before` computes with: code, values and what these refer to.
+    Where a part of it can be no pickle, `InputError` is raised.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012 - as in its base
@@ -250,8 +243,14 @@ class Env(gymnasium.Env[np.ndarray, np.ndarray]):
         """Step to each of `times`, s, or read the state from the folder `cache`, and keep it."""
         session, found = self.session, {}
         made_by = [unit.description.guid for unit in session.units.values()]
-        if self.before:
-            made_by += [self.steps, *self.actions, *self.observed, *_source(self.before)]
+        if self.before and cache:
+            try:
+                made_by += [self.steps, *self.actions, *self.observed, identity.digest(self.before)]
+            except identity.UnknownError as error:
+                raise InputError(
+                    f"the folder `cache` cannot tell `before` from another controller: it holds {error}; leave `cache` "
+                    "out, or give a controller without it"
+                ) from error
         digest = hashlib.blake2b(" ".join(map(str, made_by)).encode(), digest_size=16).hexdigest()
         session.start()
         for unit in session.units.values():

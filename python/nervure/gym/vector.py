@@ -1,6 +1,7 @@
 """Environments side by side on Dask's workers, which are processes of one thread, as the runs of a sweep are."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack, suppress
 from itertools import cycle
 from typing import Any
@@ -8,6 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.error import ClosedEnvironmentError
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
 
@@ -81,7 +83,8 @@ class DaskVectorEnv(VectorEnv[Any, Any, np.ndarray]):
         """Call a method of all members at once, each with its own of `arguments`; return what they return."""
         if self.closed:
             raise ClosedEnvironmentError("the environments are closed, and step no more")
-        asked = [getattr(one, name)(*own) for one, *own in zip(self.members, *arguments, strict=True)]
+        each = [*zip(self.members, *arguments, strict=True)]  # Before anything is asked
+        asked = [getattr(one, name)(*own) for one, *own in each]
         return [answer.result() for answer in asked]
 
     def _batch(self, seen: Sequence[Any], infos: Sequence[dict[str, Any]]) -> tuple[Any, dict[str, Any]]:
@@ -97,13 +100,36 @@ class DaskVectorEnv(VectorEnv[Any, Any, np.ndarray]):
         """Reset all environments; a number as `seed` is that of the first, the next ones follow."""
         if seed is None or isinstance(seed, int):
             seed = [None if seed is None else seed + i for i in range(self.num_envs)]
-        return self._batch(*zip(*self._ask("reset", seed, [options] * self.num_envs), strict=True))
+        if not isinstance(seed, Iterable) or isinstance(seed, str) or len(seeds := [*seed]) != self.num_envs:
+            raise InputError(f"seed is {arguments.shown(seed)}, but must be a number or a list of {self.num_envs}")
+        return self._batch(*zip(*self._ask("reset", seeds, [options] * self.num_envs), strict=True))
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Make a step of all environments; of those whose episode has ended it is a reset."""
-        seen, rewards, ended, cut, infos = zip(*self._ask("step", [*iterate(self.action_space, actions)]), strict=True)
+        """Make a step of all environments; of those whose episode has ended it is a reset. Raise `InputError` before
+        any makes one where there is not an action for each."""
+        seen, rewards, ended, cut, infos = zip(*self._ask("step", self._checked(actions)), strict=True)
         batch, info = self._batch(seen, infos)
         return batch, np.array(rewards, float), np.array(ended, bool), np.array(cut, bool), info
+
+    def _checked(self, actions: Any) -> list[Any]:
+        """Return the actions of the environments."""
+        single, count = self.single_action_space, self.num_envs
+        if isinstance(single, Box):
+            try:
+                given = np.asarray(actions, float)
+            except (TypeError, ValueError):
+                given = np.array(math.nan)
+            if given.shape != (shape := (count, *single.shape)) or not np.isfinite(given).all():
+                said = arguments.shown(actions)
+                raise InputError(f"actions is {said}, but must be an array of finite numbers of shape {shape}")
+            return [*actions]
+        try:
+            each = [*iterate(self.action_space, actions)]
+        except (TypeError, ValueError, KeyError, IndexError):
+            each = []
+        if len(each) != count or not all(map(single.contains, each)):
+            raise InputError(f"actions is {arguments.shown(actions)}, but must be {count} in {single}")
+        return each
 
     def _close_members(self) -> None:
         with suppress(Exception):  # A worker that is lost has nothing to close

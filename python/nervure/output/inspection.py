@@ -60,13 +60,14 @@ def show_unit(console: Console, path: Path) -> None:
     flags = FLAGS.get(version_of(description) or 2, ())
     rows = [
         ("description", description.description or ""),
-        ("made by", " ".join(filter(None, (description.generationTool, description.version)))),
+        ("version", description.version or ""),
+        ("made by", description.generationTool or ""),
         ("FMI", f"{description.fmiVersion}, {', '.join(sorted(platforms - {''})) or 'no library'}"),
         ("GUID", description.guid),
         ("flags", "\n".join(f"{flag} {getattr(description.coSimulation, flag, None)}" for flag in flags)),
     ]
     if experiment := description.defaultExperiment:
-        rows.insert(3, ("experiment", f"to {experiment.stopTime} s in steps of {experiment.stepSize} s"))
+        rows.insert(4, ("experiment", f"to {experiment.stopTime} s in steps of {experiment.stepSize} s"))
     _print(console, description.modelName, rows)
     table = Table("variable", "causality", "type", "unit", "start", box=None, padding=(0, 1))
     for variable in variables_of(description).values():

@@ -19,15 +19,16 @@ import numpy as np
 
 from nervure.coupling import Drive
 from nervure.errors import InputError, UnitError
-from nervure.files import write_whole
+from nervure.files import read_json, write_whole
 from nervure.scene import Document, Scene, validate
 from nervure.simulation.loop import STEP_ROUNDING, Observer, TimeLoop
-from nervure.simulation.results import CHECKPOINT, FINAL, Results
+from nervure.simulation.results import CHECKPOINT, FINAL, Results, scene_difference
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.describe import unit_label
 
 FORMAT = 10
+SCENE = "scene.json"
 DIGEST = "digest"  # Array with the digest of the other arrays
 EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need
 OPTIONS = ("checkpoint_every", "fields_every", "series_every")
@@ -44,7 +45,7 @@ class Kept:
     """The content of a checkpoint."""
 
     path: Path
-    about: About  # Scene, FMUs, options, GUIDs of the units, steps done and times
+    about: About  # Scene, digest of the replaced scene.json, FMUs, options, GUIDs of the units, steps done and times
     arrays: dict[str, np.ndarray]
 
 
@@ -108,6 +109,7 @@ def _resume(folder: Path, kept: Kept, end_time: float | None, drive: Drive | Non
     for unit, path in fmus.items():
         if unit not in kept.about["foreign"] and _lasting(_carried(path)) != _lasting(kept.about["scene"]):
             raise CheckpointError(f"the checkpoint {kept.path} is of another scene than the {unit_label(unit)}, {path}")
+    _check_scene_file(folder, kept)
     scene, done = validate(kept.about["scene"]), kept.about["done"]
     if end_time is not None:
         _extend(scene, done, end_time, options, folder)
@@ -119,6 +121,31 @@ def _resume(folder: Path, kept: Kept, end_time: float | None, drive: Drive | Non
         session.close()
         raise
     return session, options
+
+
+def _check_scene_file(folder: Path, kept: Kept) -> None:
+    """Raise `CheckpointError` where the scene.json in `folder`, which the run would replace, was edited. That of an
+    earlier run, which the run began to replace, may be of another scene."""
+    path, known = folder / SCENE, kept.about.get("replaced")
+    if (found := _scene_digest(folder)) is None or found == known:
+        return
+    try:
+        difference = scene_difference(read_json(path), kept.about["scene"])
+    except (ValueError, AttributeError) as error:
+        raise CheckpointError(f"{path} cannot be read, and the run would replace it: {error}") from error
+    if difference:
+        key, there, here = difference
+        end = "`--end-time` changes the end; " if key == "time.end" else ""
+        raise CheckpointError(
+            f"{key} is {there} in {path}, but {here} in the scene of the run, which goes on with it: {end}take the "
+            "change back, or start again by `nervure run` with another --output"
+        )
+
+
+def _scene_digest(folder: Path) -> str | None:
+    """Return a digest of the scene.json in `folder`; None without one."""
+    path = folder / SCENE
+    return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest() if path.is_file() else None
 
 
 def _carried(fmu: Path) -> Document:
@@ -217,6 +244,7 @@ class Checkpoint(Observer):
             "fmus": {unit: str(p.relative_to(home) if p.is_relative_to(home) else p) for unit, p in fmus.items()},
             "foreign": sorted(session.foreign),
             "options": options,
+            "replaced": _scene_digest(session.folder),
         }
         minutes = options["checkpoint_every"]
         self.interval = None if minutes is None else minutes * 60  # s

@@ -35,6 +35,15 @@ class TimeGrid:
         """Return an interval (s) in steps: at least one, and at most all."""
         return max(1, round(min(interval / self.communication_step, self.steps)))
 
+    def rounded(self, name: str, interval: float | None) -> str | None:
+        """Return a warning where an interval (s) within the run is rounded to other steps; 0 is every step."""
+        given, made = f"{interval or 0.0:g}", f"{self.stride(interval or 0.0) * self.communication_step:g}"
+        if not interval or interval > self.end or given == made:
+            return None
+        return (
+            f"`{name}` is {given} s, but a multiple of the {self.communication_step:g} s of a step is taken: {made} s"
+        )
+
     def step(self, i: int) -> tuple[float, float]:
         """Return the time at the beginning of step `i` and the length of the step, s."""
         t, whole = i * self.communication_step, self.communication_step

@@ -150,11 +150,8 @@ def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[s
         return None
     if (earlier := _earlier(folder)) is None:
         return f"{held[0]}, but no results that can be read"
-    (there, ran), here = earlier, dict(document(scene))
-    for remark in REMARKS:
-        there.pop(remark, None)
-        here.pop(remark, None)
-    if found := _difference(there, here):
+    there, ran = earlier
+    if found := scene_difference(there, document(scene)):
         return "the results of another scene: {} is {} there, but {} here".format(*found)
     for unit, model in models.items():
         if ran.get(unit) != model:
@@ -170,6 +167,12 @@ def _earlier(folder: Path) -> tuple[Document, dict[str, str]] | None:
         return scene, {unit: info["model"] for unit, info in units.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
+
+
+def scene_difference(there: Document, here: Document) -> tuple[str, str, str] | None:
+    """Return the dotted key and both values of the first difference of two scenes; None where results are the same."""
+    old, new = ({key: part for key, part in own.items() if key not in REMARKS} for own in (there, here))
+    return _difference(old, new)
 
 
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:

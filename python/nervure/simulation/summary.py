@@ -110,7 +110,7 @@ class Interface:
     work_on_rod: float
     work_by_fluid: float
     exchanged: float  # Sum of the magnitudes
-    imbalance: float | None  # Difference of the two works, relative to `exchanged`
+    imbalance: float | None  # Difference of the two works, relative to `exchanged`; None where these are rounding
 
 
 @dataclass(frozen=True)
@@ -366,7 +366,10 @@ def summarize(
     published = None if changed else scene.reference
     if window:
         names = [name for name in quantities(facts) if name in series]
+        resting = [prefix for unit, (prefix, _) in column_names(scene).items() if _rests(parts[unit][1], facts)]
+        at_rest = [prefix + name for prefix in resting for name in TIP]
         for name, smallest in smallest_amplitudes(names, series, rounding).items():
+            smallest = max(smallest, _smallest_way(facts)) if name in at_rest else smallest
             known[name] = _quantity(name, recorder.units[name], series, published, window, width, smallest)
     reasons = (
         f"changed: {', '.join(changed)}" if changed else "",
@@ -379,8 +382,8 @@ def summarize(
         error=status.error,
         quantities=known,
         dimensionless=facts.numbers,
-        bodies=bodies.evaluate(facts, series, window, width) if window else {},
-        coefficients=_coefficients(facts, published, series, window, width) if window else None,
+        bodies=bodies.evaluate(facts, series, window, width, rounding) if window else {},
+        coefficients=_coefficients(facts, published, series, window, width, rounding) if window else None,
         flapping=flapping.evaluate(facts, facts.scales.get(on_fluid), alone, window) if window and on_fluid else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
@@ -395,7 +398,7 @@ def summarize(
             amplitude_drift=f"change of mean or amplitude of the {main.name if main else 'signal'} along its principal "
             "direction over the window, relative to its amplitude",
         ),
-        interface=interface(alone),
+        interface=interface(alone, facts),
         simulated_s=status.simulated,
         wall_s=status.wall,
         cpu_s=status.cpu,
@@ -422,24 +425,27 @@ def _of_several(
     found = {}
     for name, (on_fluid, series) in ((name, parts[name]) for name in names if len(parts) > 1):
         driven = flapping.evaluate(facts, facts.scales.get(on_fluid), series, window) if window else None
-        found[name] = OfRod(driven, interface(series))
+        found[name] = OfRod(driven, interface(series, facts))
     return found or None
 
 
 def _rests(columns: Series, facts: Facts) -> bool:
     """Return whether the tip of a body in a fluid never moves by more than rounding in a step: so are its works."""
-    if facts.scene.fluid is None:
-        return False
-    fastest = max((float(np.abs(columns[name]).max()) for name in columns if name.startswith("tip_v")), default=0.0)
-    return fastest * facts.scene.time.communication_step < REST * float(np.ptp(facts.scene.fluid.box.x))
+    speeds = [float(np.abs(columns[name]).max()) for name in columns if name.startswith("tip_v")]
+    return bool(speeds) and max(speeds) * facts.scene.time.communication_step < _smallest_way(facts)
+
+
+def _smallest_way(facts: Facts) -> float:
+    """Return the way up to which a body in a fluid rests, m; 0 without a fluid."""
+    return REST * float(np.ptp(facts.scene.fluid.box.x)) if facts.scene.fluid else 0.0
 
 
 def _imbalances(parts: Parts, facts: Facts) -> Iterator[str]:
     """Yield that the works on rods and by the fluid, or by contact without one, differ over the whole run."""
     other = "the fluid" if facts.scene.fluid else "contact"
     for name, (on_fluid, columns) in parts.items():
-        work, kind = interface(columns), "wing" if on_fluid.startswith("wing") else "rod"
-        if work and work.imbalance and abs(work.imbalance) > WARN_RATIO and not _rests(columns, facts):
+        work, kind = interface(columns, facts), "wing" if on_fluid.startswith("wing") else "rod"
+        if work and work.imbalance and abs(work.imbalance) > WARN_RATIO:
             share = f"{work.imbalance:+.0%} of the exchanged work"
             yield f"over the run the works on the {unit_label(name, kind)} and by {other} differ by {share}"
 
@@ -475,15 +481,20 @@ def _not_final(
 
 
 def _coefficients(
-    facts: Facts, reference: Reference | None, series: Series, window: statistics.Window, width: float
+    facts: Facts,
+    reference: Reference | None,
+    series: Series,
+    window: statistics.Window,
+    width: float,
+    rounding: float,
 ) -> Coefficients | None:
     scale = coefficients.scale(facts)
-    values = coefficients.evaluate(scale, series, window, width) if scale else {}
+    values = coefficients.evaluate(scale, series, window, width, rounding) if scale else {}
     source = reference.source if reference else None
     return Coefficients(values, coefficients.published(reference), source) if values else None
 
 
-def interface(series: Series) -> Interface | None:
+def interface(series: Series, facts: Facts) -> Interface | None:
     """Return the work across the interface; None where a unit has no output of its power."""
     if not {"load_work", "beam_work"} <= series.keys():
         return None
@@ -493,5 +504,5 @@ def interface(series: Series) -> Interface | None:
         work_on_rod=float(on_rod[-1]),
         work_by_fluid=float(by_fluid[-1]),
         exchanged=exchanged,
-        imbalance=float(on_rod[-1] - by_fluid[-1]) / exchanged if exchanged else None,
+        imbalance=float(on_rod[-1] - by_fluid[-1]) / exchanged if exchanged and not _rests(series, facts) else None,
     )

@@ -30,6 +30,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from nervure.coupling.drive import MissingDrive
 from nervure.errors import InputError, SceneError
 from nervure.extras import require
 from nervure.files import claimed, json_numbers, read_json, undone_on_error, write_csv, write_whole
@@ -217,6 +218,32 @@ def missing_cases(cases: list[Case], folder: Path, retry_failed: bool) -> list[C
     return [case for case, row in rows if row is None or (retry_failed and row["status"] != FINISHED)]
 
 
+def check_drives(scenes: Iterable[Document], command: str) -> None:
+    """Raise `InputError` where one of `scenes` needs a drive, which no run of the `command` has. One stands for all
+    that leave the same keys to the master; another fault of a scene is left to its run."""
+    undriven: list[set[str]] = []
+    for scene in scenes:
+        keys = {*_left_to_master(scene)}
+        if not keys or keys in undriven:
+            continue
+        try:
+            Session(validate(scene)).close()
+        except MissingDrive as error:
+            raise InputError(f"{error.left}, but runs of {command} have no drive: give laws of time") from error
+        except (InputError, OSError):
+            continue
+        undriven.append(keys)
+
+
+def _left_to_master(part: Any, key: str = "") -> Iterator[str]:
+    """Yield the dotted keys of an unchecked scene whose value is `master`."""
+    if part == "master":
+        yield key
+    elif isinstance(part, dict | list):
+        parts = part.items() if isinstance(part, dict) else enumerate(part)
+        yield from (found for name, own in parts for found in _left_to_master(own, f"{key}.{name}"))
+
+
 class Reporter(Observer):
     """Reports the steps of a run to `tell`."""
 
@@ -294,8 +321,9 @@ def run(
     by_cpu: bool = False,
 ) -> list[Row]:
     """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
-    rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it. Without a
-    `scheduler` the runs are on this machine, at most `workers` at a time, by default as many as it has cores.
+    rows. Raise `InputError` where a run needs a drive, or results of another scene would be replaced, unless `force`
+    allows it. Without a `scheduler` the runs are on this machine, at most `workers` at a time, by default as many as it
+    has cores.
 
     `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done. A run
     begins only if `admit` returns True right before, and ends at the `deadline`, seconds since the epoch. One run at a
@@ -303,6 +331,7 @@ def run(
     """
     rows = {case.folder: earlier_row(case, folder) for case in cases}
     todo = missing_cases(cases, folder, False) if todo is None else todo
+    check_drives((case.scene for case in todo), "a sweep")
     for case in [] if force else todo:
         if held := results.conflicting_results(folder / case.folder, case.scene, {}):
             raise InputError(

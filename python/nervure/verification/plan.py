@@ -21,6 +21,7 @@ from nervure.simulation.verified import free_axes, is_part, sizes, triangles_alo
 ROOT2 = math.sqrt(2)
 LEVELS = (2 * ROOT2, 2.0, ROOT2)  # Sizes of the first parameter, relative to the scene, from the coarsest and cheapest
 HALVES, MANY = (8.0, 4.0, 2.0), 64  # The same from so many segments on, for a scene without a fluid
+FINEST = 0.5  # Size of the first parameter down to which two runs are sought where coarse ones are impossible
 STRETCH = 0.25  # Part of the cells of an axis that a larger box has more at each end
 NEAR = 0.15  # Largest relative distance of a number of cells from the wanted one
 SMALL = (2, 3, 5, 7)  # Prime factors that are preferred
@@ -77,9 +78,22 @@ class Plan:
         if not self.parameters:
             has = f"it has {', '.join(self.sizes)}" if self.sizes else "it has none"
             raise InputError(f"there is nothing to vary in {scene.name}: of the parameters {', '.join(known)} {has}")
+        self._begin()
+
+    def _begin(self) -> None:
         self.first, *self.others = self.parameters
         many = "cells" not in self.sizes and 1 / self.sizes.get(self.first.name, 1.0) >= MANY
         self.levels = HALVES if many else LEVELS
+        self.ratio = self.levels[-2] / self.levels[-1]
+
+    def skip_first(self) -> None:
+        """Vary the next parameter in a sequence, as the first one cannot be; raise `InputError` after the last."""
+        self.left_out[self.first.name] = "no two of its runs are possible"
+        if not self.others:
+            why = "; ".join(f"{name}: {own}" for name, own in self.left_out.items())
+            raise InputError(f"no run beside {self.scene.name} is possible: {why}; `--parameters` chooses others")
+        self.parameters = self.others
+        self._begin()
 
     def setting(self, factors: Factors) -> Setting:
         """Return the run with the wanted relative sizes; raise `SceneError` where the scene cannot have them."""
@@ -95,14 +109,20 @@ class Plan:
 
     def first_settings(self, top: float = 1.0) -> Iterator[Setting]:
         """Yield coarse settings of the first parameter, the finest `top` times as fine as those for the scene itself,
-        and of the others on the coarsest. The step waits: it follows the cells, and only shows what part it has."""
+        and of the others on the coarsest. Where fewer than two are possible, finer ones follow. The step waits: it
+        follows the cells, and only shows what part it has."""
         known: list[Factors] = []
-        for level in self.levels:
+        sizes = [top * level for level in self.levels]
+        while sizes[-1] > FINEST * (1 + 1e-6):
+            sizes.append(round(sizes[-1] / self.ratio, 6))
+        for number, size in enumerate(sizes):
+            if number >= len(self.levels) and len(known) > 1:
+                break
             try:
-                found = self.setting({self.first.name: top * level})
+                found = self.setting({self.first.name: size})
             except SceneError as error:
-                if level is not self.levels[0]:
-                    self.left_out[f"{self.first.name} x {top * level:.3g}"] = str(error)
+                if number > 0:
+                    self.left_out[f"{self.first.name} x {size:.3g}"] = str(error)
                 continue
             if found.sizes not in known:
                 yield found
@@ -112,12 +132,17 @@ class Plan:
                 known.append(found.sizes)
 
     def beside(self, base: Setting, others: Iterable[Parameter]) -> Iterator[Setting]:
-        """Yield the settings in which one of `others` differs from `base`."""
+        """Yield the settings in which one of `others` differs from `base`, towards smaller errors where it cannot be
+        the other way."""
         for other in others:
-            try:
-                yield self.setting({**base.factors, other.name: other.other})
-            except SceneError as error:
-                self.left_out[other.name] = str(error)
+            for factor in (other.other, other.outward):
+                try:
+                    yield self.setting({**base.factors, other.name: factor})
+                except SceneError as error:
+                    self.left_out.setdefault(other.name, str(error))
+                else:
+                    self.left_out.pop(other.name, None)
+                    break
 
 
 def work(scene: Scene) -> float:

@@ -107,7 +107,6 @@ class Verification:
         self.settings: dict[str, Setting] = {}
         self.rows: dict[str, Row] = {}
         self.noise: dict[tuple[str, str], float] = {}  # By folder and column
-        self.ratio = self.plan.levels[-2] / self.plan.levels[-1]
         self.names: list[str] = []
         self.units: dict[str, str] = {}
         self.drift: float | None = None  # Of a finest run that is not settled
@@ -126,6 +125,7 @@ class Verification:
 
     def run(self) -> Outcome:
         """Make the runs, the cheap ones first, and return what they show."""
+        sweep.check_drives([document(self.scene)], "a verification")
         todo = self._first_round()
         for _ in range(ROUNDS):
             self._make(todo)
@@ -154,9 +154,8 @@ class Verification:
     def _first_round(self) -> list[Setting]:
         """Return the first settings: those of the scene, or of coarser ones where these cost too much. The cheapest one
         is made at once, if the budget allows it, and shows what the others cost."""
-        settings = list(self.plan.first_settings())
-        if not settings:
-            raise InputError(f"no run beside {self.scene.name} is possible: {self._left_out()}")
+        while len(self._in_sequence(settings := list(self.plan.first_settings()))) < 2:
+            self.plan.skip_first()
         if self.quantities:
             with suppress(UnitError), Session(settings[0].scene) as session:  # A run that fails at once says so later
                 check_names(self.quantities, session.facts, session.recorder.columns)
@@ -174,7 +173,7 @@ class Verification:
                 if self._together(costs) <= self.left:
                     break
         else:
-            settings = [one for one in settings if one.factors.keys() == {self.plan.first.name}]
+            settings = self._in_sequence(settings)
             if self.rows and self.left <= 0:
                 return []
             if sum(map(self._cost, settings[:2])) > self.left or len(settings) < 2:
@@ -203,8 +202,9 @@ class Verification:
             return total
         return self.start + max([*costs, total / self.at_once])
 
-    def _left_out(self) -> str:
-        return "; ".join(f"{name}: {why}" for name, why in self.plan.left_out.items())
+    def _in_sequence(self, settings: Iterable[Setting]) -> list[Setting]:
+        """Return the settings in which only the first parameter differs from the scene."""
+        return [one for one in settings if one.factors.keys() == {self.plan.first.name}]
 
     def _known(self, setting: Setting) -> bool:
         """Return whether an earlier verification made a run."""
@@ -393,7 +393,7 @@ class Verification:
                 last = min(made, key=lambda one: one.factors.get(parameter.name, 1.0))
                 if last.name not in self._finished():
                     return None  # Finer ones would fail too
-                finer = round(last.factors.get(parameter.name, 1.0) / self.ratio, 6)
+                finer = round(last.factors.get(parameter.name, 1.0) / self.plan.ratio, 6)
                 return self.plan.setting({parameter.name: finer})
             if (base := self._base()) is None:
                 return None
