@@ -259,3 +259,35 @@ def test_a_fine_box_may_touch_walls_and_zones_at_points_of_the_grid(rows):
             "`fluid.fine_box.y` is [0.0, 0.41], but its ends at the points of the grid, -0.000625 and 0.410625, must "
             "lie between the walls at [0.0, 0.41]"
         ]
+
+
+@pytest.mark.parametrize("number, cells", [(1, 0), (2, 2)])
+def test_a_box_follows_one_of_several_wings(number, cells, libraries):
+    def wing(name: str, y: float, z: dict) -> dict:
+        mesh = {"rectangular": {"length": 0.3, "width": 0.2, "along": 2}}
+        membrane = {"areal_density": 1.0, "stretching_stiffness": 500.0, "bending_stiffness": 5.0}
+        laws = {"y": {"constant": y}, "z": z}
+        return {"name": name, "wing": {"mesh": mesh, "membrane": membrane, "root": "root", "root_motion": laws}}
+
+    fine = {axis: [-1.2, 1.2] for axis in "xyz"} | {"ratio": 2, "follow": f"wing[{number}]"}
+    scene = {
+        "name": "pair",
+        "time": {"end": 0.25, "communication_step": 0.005},
+        "fluid": {
+            "density": 1.0,
+            "kinematic_viscosity": 0.02,
+            "box": {axis: [-2.0, 2.0] for axis in "xyz"} | {"cells": [40, 40, 40]},
+            "mask": {"log_linear": {"c_eta": 1e-3}},
+            "time_stepping": {"max_step": 0.005, "max_cfl": 0.4},
+            "mean_flow": {},
+            "fine_box": fine,
+        },
+        "wings": [
+            wing("still", 0.1, {"constant": 0.0}),
+            wing("rising", -0.3, {"cosine_ramp": {"value": 0.25, "duration": 0.25}}),
+        ],
+    }
+    with Session(validate(scene)) as session:
+        assert session.run().error is None
+        place = np.array(session.recorder.series["fine_box_z"])
+    assert place[-1] - place[0] == pytest.approx(0.1 * cells, abs=1e-9), place

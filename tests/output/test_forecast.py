@@ -63,19 +63,21 @@ def test_cells_in_diameter_thickness_and_layer():
 
 
 @pytest.mark.parametrize(
-    ("name", "body", "sides"),
+    ("name", "body", "kind", "sides"),
     [
         # A wing of 2.5 mm on cells of 12.8/48 mm; its mean chord is area by span.
-        ("examples/flyer-pid.json", "wing_2", {"mean chord": 0.844037e-3, "span": 2.478391e-3}),
-        ("flag-line-480x240", "beam", {"thickness": None, "length": 1.0}),
+        ("examples/flyer-pid.json", "wing_2", "surface", {"mean chord": 0.844037e-3, "span": 2.478391e-3}),
+        ("examples/plate-inclined.json", "body_1", "surface", {}),
+        ("rod-hanging-160x160x48", "beam", "line", {"length": None}),
+        ("flag-line-480x240", "beam", "line", {"thickness": None, "length": 1.0}),
     ],
 )
-def test_cells_along_what_the_fluid_meets_as_a_line(name, body, sides):
+def test_cells_along_what_the_fluid_meets_as_a_line_or_a_surface(name, body, kind, sides):
     facts = Facts(nervure.load(ROOT / name if "/" in name else name))
     cell = max(np.ptp(facts.scene.fluid.box.x) / facts.scene.fluid.box.cells[0],
                np.ptp(facts.scene.fluid.box.y) / facts.scene.fluid.box.cells[1])  # fmt: skip
     shown = dict(forecast.scene_rows(facts))[f"cells of {body}"]
-    assert "no thickness" not in shown
+    assert shown.endswith(f"; the fluid meets it as a {kind}") and ("no thickness" in shown) == (not sides), shown
     for side, length in sides.items():
         (count,) = (float(own.split()[0]) for own in shown.split(", ") if f"in the {side}" in own)
         assert length is None or count == pytest.approx(length / cell, rel=5e-3), shown

@@ -1,12 +1,14 @@
 //! What the rods, wings and bodies of a scene touch, and what is wrong with its contact.
 
 use ::contact::{BodyFilm, BodyLaw, Law, Pose, Skin, largest_stiffness};
+use geometry::vector::{minus, norm};
 use method::Bending;
 
 use crate::body::Body;
 use crate::contact::{Contact, Film};
 use crate::fault::{Check, Faults};
 use crate::fluid::Fluid;
+use crate::places::three_digits;
 use crate::scene::{BeamWithRod, Scene, WingOfScene};
 use crate::shape::Shape;
 use crate::wing::Wing;
@@ -20,6 +22,9 @@ const RANGE_CELLS: f64 = 2.0;
 /// Cells of the gap below which a grid misses a part of the lubrication: a sphere of 8 and one of 16 cells that near a wall
 /// slowly miss the impulse c ln(1.25 cells/h_min) above h_min.
 const FILM_CELLS: f64 = 1.25;
+
+/// Most ranges in an edge of a wing, whose points of contact no edge may pass.
+const MOST_RANGES: f64 = 8.0;
 
 /// A half space: a point of its plane, m, and the normal outwards.
 pub type HalfSpace = ([f64; 3], [f64; 3]);
@@ -216,9 +221,18 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
         "only a body on a `mount` and a flyer have a film, in a fluid".into()
     });
     if let (Some(range), Some(fluid)) = (contact.range, &scene.fluid) {
-        let shortest = fluid.r#box.ends().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
-        faults.require(range <= 0.5 * shortest, "contact.range", range, || {
-            format!("it must be at most half the shortest side of the box, {}", 0.5 * shortest)
+        let longest = longest_range(fluid);
+        faults.require(range <= longest, "contact.range", range, || {
+            format!("it must be at most half the shortest side of the box, {longest}")
+        });
+    }
+    let is_built = faults.len() == 0;
+    for own in scene.wings().filter(|_| is_built) {
+        let (range, least) = (contact.law_of_wing(scene, own.wing).range, longest_edge(own.wing) / MOST_RANGES);
+        let value = contact.range.map_or(format!("absent, two cells or {range}"), |range| range.to_string());
+        faults.require(range.is_nan() || range >= least, "contact.range", value, || {
+            let least = three_digits(1.005 * least);
+            format!("it must be at least {least}, an eighth of the longest edge of `{}.mesh`", own.key)
         });
     }
     if let (Some(film), Some(fluid)) = (contact.film, &scene.fluid) {
@@ -277,6 +291,28 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
             });
         }
     }
+}
+
+/// Return half the shortest side of the box, m.
+fn longest_range(fluid: &Fluid) -> f64 {
+    0.5 * fluid.r#box.ends().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min)
+}
+
+/// Return the longest edge of the triangles of a wing, m.
+fn longest_edge(wing: &Wing) -> f64 {
+    let mesh = wing.mesh.build();
+    let edges = mesh.triangles.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    edges.map(|[a, b]| norm(minus(mesh.nodes[*a], mesh.nodes[*b]))).fold(0.0, f64::max)
+}
+
+/// Return whether the key `contact` is not refused in a scene without it.
+pub(crate) fn is_possible(scene: &Scene) -> bool {
+    // The longest range suits all meshes.
+    let range = Some(scene.fluid.as_ref().map_or(f64::MAX, longest_range));
+    let contact = Contact { range, stiffness: None, damping: 0.0, friction: 0.0, film: None, obstacles: Vec::new() };
+    let mut faults = Faults::default();
+    check(&Scene { contact: Some(contact), ..scene.clone() }, &mut faults);
+    faults.len() == 0
 }
 
 /// Return whether a shape can touch.

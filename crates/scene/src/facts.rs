@@ -26,6 +26,7 @@ use serde::Serialize;
 use crate::body::Body;
 use crate::fluid::{Fluid, InflowProfile};
 use crate::flyer::HingeLaws;
+use crate::lag_warnings;
 use crate::law::TimeLaw;
 use crate::law_warnings;
 use crate::layers::layers;
@@ -196,6 +197,7 @@ impl Scene {
         warnings.extend(law_warnings::of(self));
         let velocity = dimensionless.as_ref().and_then(|numbers| numbers.velocity);
         warnings.extend(self.fluid.iter().flat_map(|fluid| layers(self, fluid, &scales, velocity)));
+        warnings.extend(self.fluid.iter().filter_map(|fluid| lag_warnings::of_step(self, fluid)));
         if let (Some(fluid), Some(Dimensionless { length: Some(length), velocity, .. })) = (&self.fluid, &dimensionless)
         {
             let passages = [Some(*length), self.thin_layer(fluid)].map(|way| Some(way? / (*velocity)?));

@@ -141,8 +141,8 @@ pub struct FineBox {
     #[serde(default = "two")]
     #[schemars(range(min = 2, max = 8))]
     pub ratio: usize,
-    /// Body, rod or wing with which the box moves, by the name of its outputs: `body[1]`, `cylinder[1]`, `beam`, or
-    /// `beam[2]` of several, `wing`. It may go through the large box from one side to the other. With `master` the inputs
+    /// Body, rod or wing with which the box moves, by the name of its outputs: `body[1]`, `cylinder[1]`, `beam`, `wing`,
+    /// of several `beam[2]`, `wing[2]`. It may go through the large box from one side to the other. With `master` the inputs
     /// `fine_box.motion.x`, `.y`, `.z` displace it, m. With `nothing` the box stays. Absent: it moves with the shape of a
     /// flyer that may leave its place, else it stays.
     #[serde(default)]

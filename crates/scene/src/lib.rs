@@ -20,6 +20,7 @@ mod fluid;
 mod flyer;
 mod flyer_checks;
 mod json;
+mod lag_warnings;
 mod law;
 mod law_warnings;
 mod layers;

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::beam::Beam;
 use crate::body::Body;
+use crate::contact_checks;
 use crate::fluid::Fluid;
 use crate::places::{blocked, rounded, shown, walls, zones};
 use crate::read::kept;
@@ -62,14 +63,12 @@ pub(crate) struct Memory {
 
 /// Checks the places of parts again and again, and warns of each thing once.
 pub(crate) struct Monitor<'a> {
-    pub fluid: Option<&'a Fluid>,
+    pub scene: &'a Scene,
     pub parts: Vec<&'a Part>,
     /// None before the first time.
     pub memory: Option<Memory>,
     /// Number of dimensions.
     pub axes: usize,
-    /// Whether the scene has the key `contact`.
-    pub has_contact: bool,
     /// Whether nobody warns of the places at the first time, which were checked before the run.
     pub is_run: bool,
 }
@@ -82,11 +81,13 @@ impl Monitor<'_> {
     /// Return the warnings at time `t` (s) from the present shapes; the place of a part may be unknown.
     pub fn check(&mut self, t: f64, now: &[Option<Shape>]) -> Vec<Warning> {
         let (mut found, is_first) = (Vec::new(), self.memory.is_none());
+        let (fluid, has_contact) = (self.scene.fluid.as_ref(), self.scene.contact.is_some());
+        let lacks_contact = || !has_contact && contact_checks::is_possible(self.scene);
         let memory = self.memory.get_or_insert_default();
         let known = self.parts.iter().zip(now).filter_map(|(part, shape)| Some((*part, shape.as_ref()?)));
         let known: Vec<_> = known.collect();
         for (part, shape) in &known {
-            let (is_run, has_contact) = (self.is_run, self.has_contact);
+            let is_run = self.is_run;
             let see: See = &mut |limit, [reached, allowed], may_start, text| {
                 let first = Some(if is_run || may_start { reached } else { 0.0 });
                 let before = memory.reached.entry(format!("{} {limit}", part.key)).or_insert(first);
@@ -95,23 +96,23 @@ impl Monitor<'_> {
                     found.push(warning(&part.key, t, &format!("{} {}", part.name, text())));
                 }
             };
-            if let Some(fluid) = self.fluid.filter(|_| part.moves || (!is_run && t == 0.0)) {
+            if let Some(fluid) = fluid.filter(|_| part.moves || (!is_run && t == 0.0)) {
                 // Before a run a rod or a wing counts as rigid, but contact bends it at a wall.
                 let is_held_off = has_contact && !is_run && !part.is_body();
-                limits(fluid, part, shape, is_held_off, !has_contact, see);
+                limits(fluid, part, shape, is_held_off, &lacks_contact, see);
             }
             if part.deforms {
                 own_shape(part, shape, self.axes, see);
             }
         }
-        let cell = self.fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
+        let cell = fluid.map_or(0.0, |fluid| fluid.spacing().into_iter().fold(f64::INFINITY, f64::min));
         let bounds: Vec<_> = known.iter().map(|(_, shape)| shape.bounds()).collect();
         for [i, j] in near_pairs(&bounds, cell) {
             let (one, two) = (known[i], known[j]);
             let is_surface = |(_, shape): (_, &Shape)| matches!(shape, Shape::Surface(_));
             if self.is_run
-                && self.fluid.is_some()
-                && !self.has_contact
+                && fluid.is_some()
+                && !has_contact
                 && (one.0.deforms || two.0.deforms)
                 && is_surface(one)
                 && is_surface(two)
@@ -130,13 +131,13 @@ impl Monitor<'_> {
                 }
             };
             if (one.0.moves || two.0.moves)
-                && !(touches && self.has_contact)
+                && !(touches && has_contact)
                 && let Some(place) = memory.meets("meets", one, two, cell / 4.0, is_first)
             {
                 let rounding = ROUNDING * norm(place);
                 let place = place.map(|at| if at.abs() < rounding { 0.0 } else { at });
                 let at = shown(&place[..self.axes]);
-                let help = if touches { " without the key `contact`" } else { "" };
+                let help = if touches && lacks_contact() { " without the key `contact`" } else { "" };
                 let text =
                     format!("{} meets {} near {at}, and nothing keeps them apart{help},", two.0.name, one.0.name);
                 found.push(warning(&two.0.key, t, &text));
@@ -189,7 +190,7 @@ fn warning(key: &str, t: f64, text: &str) -> Warning {
 
 /// Show how far a part reaches over the edges of the box, into walls that do not hold it off and zones, and whether it
 /// stops the stream.
-fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_contact: bool, see: See) {
+fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_contact: &dyn Fn() -> bool, see: See) {
     let (cell, bounds): (_, Bounds<3>) = (fluid.spacing(), shape.bounds());
     let out = |axis: usize, ends| beyond(bounds[axis][0], ends).max(beyond(bounds[axis][1], ends));
     // What a wall holds off does not pass the edge behind it.
@@ -205,7 +206,7 @@ fn limits(fluid: &Fluid, part: &Part, shape: &Shape, is_held_off: bool, lacks_co
         let reached = out(axis, ends);
         // A beam may be embedded in a wall.
         see(&format!("wall {}", AXES[axis]), [reached, cell[axis].min(part.thickness)], !part.is_body(), &|| {
-            let help = if part.is_mounted && lacks_contact { ", without the key `contact`," } else { "" };
+            let help = if part.is_mounted && lacks_contact() { ", without the key `contact`," } else { "" };
             format!("reaches {} m into a wall of the channel{help}", rounded(reached))
         });
     }
@@ -346,8 +347,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
         add(own.key, name, [Some(surface(rest)), nodes.map(surface)], true, None);
     }
     let axes = scene.dimensions();
-    let (parts, has_contact) = (parts.iter().collect(), scene.contact.is_some());
-    let mut monitor = Monitor { fluid, parts, memory: places.memory, axes, has_contact, is_run: true };
+    let mut monitor = Monitor { scene, parts: parts.iter().collect(), memory: places.memory, axes, is_run: true };
     let warnings = monitor.check(places.time, &now).into_iter().map(|warning| warning.text).collect();
     Answer { warnings, memory: monitor.memory }
 }

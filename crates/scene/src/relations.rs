@@ -183,6 +183,7 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
             0 => "the scene has no cylinder".into(),
             count => format!("the largest index is {}, counted from 0", count - 1),
         });
+        check_moving_cylinder(scene, own, cylinder, faults);
     }
     let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
     let needed = if is_space { 3 } else { 2 };
@@ -218,6 +219,21 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
     });
     check_support(rod, own.beam, dimension, &format!("{key}rod"), faults);
     check_slide(rod, own.beam, dimension, &format!("{key}rod"), faults);
+}
+
+/// Check that a cylinder that moves leaves no root behind.
+fn check_moving_cylinder(scene: &Scene, own: &BeamWithRod, cylinder: usize, faults: &mut Faults) {
+    let motion = scene.fluid.as_ref().and_then(|fluid| fluid.cylinders.get(cylinder)?.motion.as_ref());
+    let moves = motion.is_some_and(|motion| [&motion.x, &motion.y].into_iter().any(|law| law.largest() > 0.0));
+    let stays = own.rod.is_none_or(|rod| rod.root_motion.is_none());
+    let key = own.key();
+    faults.forbid(moves && stays, &format!("{key}beam.root.on_cylinder"), || {
+        let help = match own.rod {
+            Some(_) => format!("give `{key}rod.root_motion.laws` the same `x` and `y`"),
+            None => "a rigid beam stays; make both bodies of `fluid.bodies` with one motion".into(),
+        };
+        format!("`fluid.cylinders[{cylinder}].motion` would leave the root behind: {help}")
+    });
 }
 
 /// Check the guide of a root; `key` is the path of the rod.

@@ -244,6 +244,13 @@ fn odd_sides(sized: &Sized) -> [Option<[f64; 3]>; 2] {
     [thin.then_some(sides[0].1), long.then_some(sides[2].1)]
 }
 
+/// Return the second longest and the shortest side of a body in space, m.
+pub(crate) fn two_sides(body: &Body, ends: &[[f64; 2]]) -> [f64; 2] {
+    let (mut sides, _) = body.shape.sides(ends);
+    sides.sort_by(f64::total_cmp);
+    [sides[1], sides[0]]
+}
+
 /// Return the normal of a plate, a disk or a flat surface before its motion.
 pub(crate) fn thin_normal(body: &Body) -> Option<[f64; 3]> {
     let (nodes, triangles) = body.shape.surface()?;

@@ -152,9 +152,9 @@ pub enum Followed {
     Cylinder(usize),
     /// A body of the fluid.
     Body(usize),
-    /// A beam.
+    /// A beam or one of several wings, counted after the beams.
     Beam(usize),
-    /// The wing.
+    /// The only wing.
     Wing,
     /// A point that the master moves.
     Master,
@@ -171,9 +171,13 @@ impl Scene {
         let numbered = |kind: &'static str, count: usize| (0..count).map(move |k| (format!("{kind}[{}]", k + 1), k));
         let cylinders = numbered("cylinder", fluid.cylinders.len()).map(|(name, k)| (name, Followed::Cylinder(k)));
         let bodies = numbered("body", fluid.bodies.len()).map(|(name, k)| (name, Followed::Body(k)));
-        let wing = self.wing.iter().map(|_| ("wing".into(), Followed::Wing));
+        let before = self.beams().count();
+        let wings = self.wings().enumerate().map(|(k, own)| match own.number {
+            Some(number) => (format!("wing[{number}]"), Followed::Beam(before + k)),
+            None => ("wing".into(), Followed::Wing),
+        });
         let master = [("master".into(), Followed::Master)];
-        cylinders.chain(bodies).chain(beams).chain(wing).chain(master).collect()
+        cylinders.chain(bodies).chain(beams).chain(wings).chain(master).collect()
     }
 
     /// Let a fine box without `follow` follow the shape of a flyer that may leave its place.

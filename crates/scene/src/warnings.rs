@@ -62,7 +62,7 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     let start: Vec<_> = parts.iter().map(|own| own.motion.shape_at(&own.part.rest, 0.0, &ends)).collect();
     overlaps(scene, &parts, &start, &mut found);
     if let Some(fluid) = &scene.fluid {
-        found.extend(motions(scene, fluid, &parts, &start, &ends));
+        found.extend(motions(scene, &parts, &start, &ends));
         found.extend(own_wake(scene, fluid, &parts));
         found.extend(carried_along(scene, fluid, &ends));
         found.extend(probes(fluid, &parts, &start));
@@ -184,16 +184,9 @@ fn overlaps(scene: &Scene, parts: &[Moving], start: &[Shape], found: &mut Vec<Wa
 }
 
 /// Return the warnings about the motions that laws prescribe.
-fn motions(scene: &Scene, fluid: &Fluid, moving: &[Moving], start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
+fn motions(scene: &Scene, moving: &[Moving], start: &[Shape], ends: &[[f64; 2]]) -> Vec<Warning> {
     let parts = moving.iter().map(|own| &own.part).collect();
-    let mut monitor = Monitor {
-        fluid: Some(fluid),
-        parts,
-        memory: None,
-        axes: ends.len(),
-        has_contact: scene.contact.is_some(),
-        is_run: false,
-    };
+    let mut monitor = Monitor { scene, parts, memory: None, axes: ends.len(), is_run: false };
     let mut now: Vec<_> = start.iter().cloned().map(Some).collect();
     let mut found = monitor.check(0.0, &now);
     let is_moving = moving.iter().any(|own| own.part.moves);

@@ -341,7 +341,12 @@ impl Check for Wing {
         self.reference.check_at(&format!("{key}.reference"), faults);
         let before = faults.len();
         let names = self.mesh.chains();
-        let known = || format!("the chains of the mesh are {}", list(names.iter(), "and"));
+        let known = || match &names[..] {
+            [] => "the mesh has no chains: physical groups of lines in a file of Gmsh make them, or \
+                   `mesh.triangles.chains`"
+                .into(),
+            _ => format!("the chains of the mesh are {}", list(names.iter(), "and")),
+        };
         if let Some(root) = &self.root {
             faults.require(names.contains(&&root[..]), &format!("{key}.root"), format!("{root:?}"), known);
         }
@@ -351,6 +356,8 @@ impl Check for Wing {
         }
         let moves = self.root_motion.is_some() && self.root.is_none();
         faults.forbid(moves, &format!("{key}.root_motion"), || "a free wing has no `root`".into());
+        let held = self.support != WingSupport::default() && self.root.is_none();
+        faults.forbid(held, &format!("{key}.support"), || "a free wing has no `root`".into());
         if let Some(laws) = self.laws() {
             laws.check_at(&format!("{key}.root_motion"), faults);
         }

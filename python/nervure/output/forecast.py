@@ -67,7 +67,8 @@ def scene_rows(facts: Facts) -> Iterator[tuple[str, str]]:
         yield f"mount of {name}", "; ".join(parts)
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
-        line = "; the fluid meets it as a line" if name in facts.lines else ""
+        kind = "line" if scene.fluid.box.z is None or name.startswith("beam") else "surface"
+        line = f"; the fluid meets it as a {kind}" if name in facts.lines else ""
         cells = ({across(name): body.thickness_cells} if body.thickness_cells else {}) | body.along
         shown = ", ".join(f"{count:.3g} in the {side}" for side, count in cells.items()) or "no thickness"
         yield f"cells of {name}", f"{shown}{layer}{line}"
