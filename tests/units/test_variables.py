@@ -117,7 +117,7 @@ def test_parameter_of_the_fluid_is_the_key_of_the_scene(name, fluid_only, run):
 
 
 def test_no_parameter_of_the_fluid_chooses_another_load(instantiate):
-    """Where the scene leaves it open, the load is that of the scene: a shorter step is taken, a heavier fluid refused."""
+    """Where a scene leaves the load open, a shorter step is taken, and a fluid too heavy for the load refused."""
     scene = load("vein-pitching-320x240", ["fluid.box.cells=[80, 60]"]).document()
     for name, value in {"max_step": 0.3, "density": 3.0}.items():
         unit = instantiate(scene)["fluid"]
