@@ -90,7 +90,7 @@ def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
         assert state[8] == 3, state[8]
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1)", 3158), "fluid": ("layout 10)", 509083)}
+    assert found == {"rod": ("layout 1)", 3158), "fluid": ("layout 11)", 509099)}
 
 
 def test_a_state_in_single_precision_continues_the_same_way_and_is_half_as_large(small_fsi3, start):
