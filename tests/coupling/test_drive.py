@@ -219,6 +219,15 @@ def test_a_drive_that_turns_a_wing_hears_that_a_hinge_does(libraries):
             session.step()
 
 
+CIRCLE = {
+    "density": 1.0,
+    "kinematic_viscosity": 0.05,
+    "box": {"x": [-2.0, 2.0], "y": [-2.0, 2.0], "cells": [32, 32]},
+    "initial_velocity": [1.0, 0.0],
+    "bodies": [{"shape": {"circle": {"radius": 0.3}}, "position": [0.0, 0.0]}],
+    "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+    "mask": {"log_linear": {"c_eta": 1e-3}},
+}
 STREAM = {
     "mean": {"mean_flow": {"x": {"constant": 1.0}}},
     "inflow": {"inflow": {"x": [-1.9, -1.5], "profile": "uniform", "mean_velocity": {"constant": 1.0}, "c_eta": 1e-3}},
@@ -229,15 +238,7 @@ STREAM = {
 @pytest.mark.parametrize("stream", STREAM)
 def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries):
     """Under a gust the coarse grid takes fine steps, which changes the start of the flow."""
-    fluid = {
-        "density": 1.0,
-        "kinematic_viscosity": 0.05,
-        "box": {"x": [-2.0, 2.0], "y": [-2.0, 2.0], "cells": [32, 32]},
-        "initial_velocity": [1.0, 0.0],
-        "bodies": [{"shape": {"circle": {"radius": 0.3}}, "position": [0.0, 0.0]}],
-        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
-        "mask": {"log_linear": {"c_eta": 1e-3}},
-    } | STREAM[stream]
+    fluid = CIRCLE | STREAM[stream]
     scene = {"name": "gust", "time": {"end": 0.5, "communication_step": 0.01}, "fluid": fluid}
     key = "fluid.inflow.mean_velocity" if stream == "inflow" else "fluid.mean_flow.x"
     drags = []
@@ -256,16 +257,9 @@ def test_a_gust_by_a_drive_blows_as_the_same_law_of_the_stream(stream, libraries
 
 def driven_by_gust(step: float, law: dict | None = None) -> nervure.Scene:
     """Return a stream past a circle whose fluid makes steps of 5 ms, with a law added or with a gust."""
-    fluid = {
-        "density": 1.0,
-        "kinematic_viscosity": 0.05,
-        "box": {"x": [-2.0, 2.0], "y": [-2.0, 2.0], "cells": [32, 32]},
-        "initial_velocity": [1.0, 0.0],
-        "mean_flow": {"x": {"sum": [{"constant": 1.0}, law]} if law else {"constant": 1.0}},
-        "bodies": [{"shape": {"circle": {"radius": 0.3}}, "position": [0.0, 0.0]}],
-        "time_stepping": {"max_step": 0.005, "max_cfl": 0.4},
-        "mask": {"log_linear": {"c_eta": 1e-3}},
-    } | ({} if law else {"gust": "master"})
+    mean = {"sum": [{"constant": 1.0}, law]} if law else {"constant": 1.0}
+    fluid = CIRCLE | {"mean_flow": {"x": mean}, "time_stepping": {"max_step": 0.005, "max_cfl": 0.4}}
+    fluid |= {} if law else {"gust": "master"}
     return validate({"name": "gust", "time": {"end": 0.3, "communication_step": step}, "fluid": fluid})
 
 
